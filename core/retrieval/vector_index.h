@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/context.h"
+#include "core/base/status.h"
+
+namespace moduli {
+
+/// Rows of float32 vectors of one dimension, each with the caller's identity.
+struct VectorSet {
+  std::size_t dimension = 0;
+  std::vector<float> values;  ///< Row after row: ids.size() * dimension.
+  std::vector<std::int64_t> ids;
+};
+
+struct Neighbor {
+  std::int64_t id = 0;
+  double distance = 0;  ///< Euclidean, not squared.
+  bool operator==(const Neighbor&) const = default;
+};
+
+/// Nearest neighbours under the Euclidean distance. Immutable after building and safe to search
+/// from several threads. Neighbours come nearest first; equal distances by ascending id.
+class VectorIndex {
+ public:
+  virtual ~VectorIndex() = default;
+
+  /// The k nearest rows that `accept` (may be empty: all) lets through; fewer if there are fewer.
+  /// Fails with kInvalidOption if the query has another dimension or is not finite, k is 0, and
+  /// with kCancelled / kDeadlineExceeded.
+  virtual Result<std::vector<Neighbor>> search(
+      Context& context, std::span<const float> query, std::size_t k,
+      const std::function<bool(std::int64_t)>& accept = {}) const = 0;
+
+  virtual std::size_t size() const = 0;
+  virtual std::size_t dimension() const = 0;
+  /// Whether the answer is the true nearest neighbours (up to float32 rounding of distances).
+  virtual bool exact() const = 0;
+};
+
+/// Looks at every row. The twin that the other is tested against.
+Result<std::unique_ptr<VectorIndex>> makeBruteForceIndex(VectorSet set);
+
+/// FLANN's single k-d tree, exact, in shards of at most `shard_rows` rows searched in parallel and
+/// merged. Copies the rows that it needs. Fails with kInvalidOption on NaN or infinite values or
+/// sizes that do not fit. An empty set is fine. O(n log n) to build.
+Result<std::unique_ptr<VectorIndex>> makeFlannIndex(VectorSet set, std::size_t shard_rows = 100000);
+
+}  // namespace moduli

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/mesh/triangle_soup.h"
+
+/// The signature of a surface as a plain value, field by field the message Signature of
+/// proto/moduli/v1/signature.proto.
+namespace moduli {
+
+/// Raised whenever the same mesh would get other numbers than before.
+inline constexpr int kDescriptorVersion = 1;
+
+enum class ConformalType : std::uint8_t {
+  kSphere,
+  kDisk,
+  kAnnulus,
+  kCircleDomain,
+  kTorus,
+  kHyperbolic,
+  kBordered
+};
+
+enum class Space : std::uint8_t { kConformal, kMetric, kShape };
+
+struct SignatureTopology {
+  Index vertices = 0, faces = 0, components = 0, genus = 0, boundary_loops = 0;
+  Index euler_characteristic = 0;
+  bool orientable = true;
+  double area = 0;  ///< Squared model units.
+};
+
+struct ConformalBlock {
+  ConformalType type = ConformalType::kSphere;
+  std::optional<std::complex<double>> tau;  ///< Torus: reduced to the fundamental domain.
+  std::optional<double> tau_error;          ///< Torus: certified bound, see TorusPeriod.
+};
+
+/// What bending without stretching keeps.
+struct MetricBlock {
+  /// Power of the log conformal factor per frequency 1 .. kSpectrumBins, see spectra.h.
+  std::vector<double> conformal_factor_spectrum;
+};
+
+/// What rigid motion and scaling keep.
+struct ShapeBlock {
+  std::vector<double> mean_curvature_spectrum;
+  std::vector<double> cross_spectrum;  ///< Of conformal factor and mean curvature; signed.
+};
+
+/// Unit-free vectors whose Euclidean distance is the distance of the space (metric, shape) or a
+/// continuous stand-in for it (conformal).
+struct SearchVectors {
+  std::vector<float> conformal, metric, shape;
+};
+
+/// Residuals and quality figures, computed from the final numbers. Empty where one does not apply.
+struct SignatureCertificate {
+  std::optional<double> riemann_bilinear_residual;
+  std::optional<double> layout_closure;
+  std::optional<int> flipped_faces;
+  std::optional<double> max_dilatation, mean_dilatation;
+  std::optional<int> newton_iterations;
+  std::optional<double> mollification;
+  std::vector<std::string> warnings;
+};
+
+struct Signature {
+  SignatureTopology topology;
+  std::optional<ConformalBlock> conformal;
+  std::optional<MetricBlock> metric;
+  std::optional<ShapeBlock> shape;
+  SearchVectors vectors;
+  int descriptor_version = kDescriptorVersion;
+  SignatureCertificate certificate;
+  std::map<std::string, double> timing;  ///< Seconds per stage.
+};
+
+}  // namespace moduli
