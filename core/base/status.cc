@@ -54,6 +54,8 @@ constexpr std::array kReasons{
     ReasonRow{Reason::kServerTooOld, kUnimplemented, "SERVER_TOO_OLD"},
     ReasonRow{Reason::kPortTaken, kFailedPrecondition, "PORT_TAKEN"},
     ReasonRow{Reason::kInvalidConfiguration, kInvalidArgument, "INVALID_CONFIGURATION"},
+    ReasonRow{Reason::kUnauthenticated, ErrorCode::kUnauthenticated, "UNAUTHENTICATED"},
+    ReasonRow{Reason::kPermissionDenied, ErrorCode::kPermissionDenied, "PERMISSION_DENIED"},
     ReasonRow{Reason::kInvalidName, kInvalidArgument, "INVALID_NAME"},
     ReasonRow{Reason::kInvalidFilter, kInvalidArgument, "INVALID_FILTER"},
     ReasonRow{Reason::kInvalidPageToken, kInvalidArgument, "INVALID_PAGE_TOKEN"},

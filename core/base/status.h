@@ -83,6 +83,8 @@ enum class Reason : std::uint8_t {
   kServerTooOld,
   kPortTaken,
   kInvalidConfiguration,
+  kUnauthenticated,
+  kPermissionDenied,
   // Catalogue and uploads.
   kInvalidName,
   kInvalidFilter,
