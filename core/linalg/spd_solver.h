@@ -8,6 +8,8 @@
 
 namespace moduli {
 
+class FactorBackend;
+
 /// Column-major; of a symmetric matrix the lower triangle is stored.
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
@@ -18,28 +20,39 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 ///   ASSIGN_OR_RETURN(Eigen::MatrixXd x, solver.solve(context, b));
 ///
 /// CHOLMOD's supernodal factorization by default, Eigen's LDL^T with -DMODULI_WITH_CHOLMOD=OFF.
-/// Movable, not copyable. One thread at a time.
+/// The same input gives the same bytes on any number of threads: OpenBLAS is told, for the whole
+/// process, to use one. Movable, not copyable. One thread at a time; several solvers may work on
+/// several threads. Stages: "analyse", "factorize", "solve".
 class SpdSolver {
  public:
-  /// Analyses and factorizes. matrix: n x n, lower triangle.
-  /// Fails with kNotPositiveDefinite (naming the column where known), kCancelled,
+  /// Analyses and factorizes. matrix: n x n, lower triangle; n = 0 is allowed.
+  /// Fails with kInvalidOption (not square, or entries above the diagonal), kNotPositiveDefinite
+  /// (naming the column; non-finite entries too), kMeshTooLarge (no memory), kCancelled,
   /// kDeadlineExceeded. About n^1.5 for meshes.
   static Result<SpdSolver> make(Context& context, const SparseMatrix& matrix);
+
+  /// The same on a given back end (core/linalg/factor_backend.h).
+  static Result<SpdSolver> make(Context& context, const SparseMatrix& matrix,
+                                std::unique_ptr<FactorBackend> backend);
 
   ~SpdSolver();
   SpdSolver(SpdSolver&&) noexcept;
   SpdSolver& operator=(SpdSolver&&) noexcept;
 
-  /// Factorizes other values on the same pattern, keeping the symbolic analysis.
+  /// Factorizes other values on the same pattern, keeping the symbolic analysis. Fails as make
+  /// does, and with kInvalidOption for another pattern. After a failure solve() fails too, until a
+  /// refactorize() succeeds.
   Status refactorize(Context& context, const SparseMatrix& matrix);
 
-  /// Solves for all columns of b (n x k) together. Checks each column's residual
-  /// |b - A x| <= 1e-9 (|A| |x| + |b|) in the maximum norm after at most two steps of iterative
-  /// refinement, and fails with kResidualTooLarge otherwise: a broken BLAS gives an error, not
-  /// numbers.
+  /// Solves for all columns of b (n x k) together. Refines up to two times while the residual of
+  /// a column is above rounding, then demands |b - A x| <= 1e-12 (|A| |x| + |b|) of each column in
+  /// the maximum norm and fails with kResidualTooLarge otherwise: a broken BLAS gives an error,
+  /// not numbers. (A correct Cholesky solve leaves about 1e-16, whatever the condition number.)
+  /// Fails also with kInvalidOption (rows of b, no factorization), kCancelled, kDeadlineExceeded.
   Result<Eigen::MatrixXd> solve(Context& context, const Eigen::MatrixXd& b) const;
 
-  /// The largest relative residual that solve() has left so far.
+  /// The largest relative residual |b - A x| / (|A| |x| + |b|) that solve() has left so far, also
+  /// where it failed.
   double largestResidual() const;
 
  private:
