@@ -1,0 +1,284 @@
+#include "server/rpc/convert.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace moduli {
+namespace {
+
+// Far above any signature of ours; guards the indexes against hostile ones.
+constexpr int kMaxArray = 4096;
+
+v1::Topology toProto(const SurfaceCounts& counts) {
+  v1::Topology topology;
+  topology.set_vertices(counts.vertices);
+  topology.set_faces(counts.faces);
+  topology.set_components(counts.components);
+  if (counts.genus) topology.set_genus(*counts.genus);
+  topology.set_boundary_loops(counts.boundary_loops);
+  topology.set_euler_characteristic(counts.euler_characteristic);
+  topology.set_orientable(counts.orientable);
+  topology.set_area(counts.area);
+  return topology;
+}
+
+v1::Topology toProto(const SignatureTopology& topology) {
+  v1::Topology message;
+  message.set_vertices(topology.vertices);
+  message.set_faces(topology.faces);
+  message.set_components(topology.components);
+  message.set_genus(topology.genus);
+  message.set_boundary_loops(topology.boundary_loops);
+  message.set_euler_characteristic(topology.euler_characteristic);
+  message.set_orientable(topology.orientable);
+  message.set_area(topology.area);
+  return message;
+}
+
+/// Both enums name the same things, ours from 0 and the message's from 1.
+template <typename Message, typename Core>
+Message shifted(Core value) {
+  return static_cast<Message>(static_cast<int>(value) + 1);
+}
+
+static_assert(static_cast<int>(DefectKind::kEmpty) + 1 == v1::Defect::EMPTY);
+static_assert(static_cast<int>(DefectKind::kMultipleComponents) + 1 ==
+              v1::Defect::MULTIPLE_COMPONENTS);
+static_assert(static_cast<int>(ConformalType::kSphere) + 1 == v1::ConformalBlock::SPHERE);
+static_assert(static_cast<int>(ConformalType::kBordered) + 1 == v1::ConformalBlock::BORDERED);
+static_assert(static_cast<int>(Space::kConformal) + 1 == v1::Signature::CONFORMAL);
+static_assert(static_cast<int>(Space::kShape) + 1 == v1::Signature::SHAPE);
+static_assert(static_cast<int>(MeshFormat::kObj) + 1 == v1::MeshSource::OBJ);
+static_assert(static_cast<int>(MeshFormat::kStl) + 1 == v1::MeshSource::STL);
+
+template <typename Numbers>
+bool sound(const Numbers& numbers) {
+  return numbers.size() <= kMaxArray &&
+         std::all_of(numbers.begin(), numbers.end(), [](auto x) { return std::isfinite(x); });
+}
+
+Status checkSignature(const v1::Signature& message) {
+  const auto refuse = [](const std::string& what) {
+    return Status(Reason::kInvalidRequest, "not a signature: " + what,
+                  "give a signature as ComputeSignature returns it");
+  };
+  if (!message.has_topology()) return refuse("it has no topology");
+  const v1::Topology& topology = message.topology();
+  if (topology.vertices() < 0 || topology.faces() < 0 || topology.components() < 0 ||
+      topology.genus() < 0 || topology.boundary_loops() < 0) {
+    return refuse("a count is negative");
+  }
+  if (!std::isfinite(topology.area())) return refuse("its area is not finite");
+  if (message.descriptor_version() < 1) return refuse("it has no descriptor version");
+  if (message.has_conformal()) {
+    const v1::ConformalBlock& block = message.conformal();
+    if (block.type() < v1::ConformalBlock::SPHERE || block.type() > v1::ConformalBlock::BORDERED) {
+      return refuse("its conformal block has no known type");
+    }
+    if (block.type() == v1::ConformalBlock::TORUS && !block.has_tau()) {
+      return refuse("a torus without tau");
+    }
+    if (block.has_tau() && (!std::isfinite(block.tau().re()) || !std::isfinite(block.tau().im()) ||
+                            block.tau().im() <= 0)) {
+      return refuse("tau is not in the upper half-plane");
+    }
+    if (block.has_tau_error() && !std::isfinite(block.tau_error())) {
+      return refuse("tau_error is not finite");
+    }
+  }
+  const v1::SearchVectors& vectors = message.vectors();
+  if (!sound(message.metric().conformal_factor_spectrum()) ||
+      !sound(message.shape().mean_curvature_spectrum()) ||
+      !sound(message.shape().cross_spectrum()) || !sound(vectors.conformal()) ||
+      !sound(vectors.metric()) || !sound(vectors.shape())) {
+    return refuse("an array holds a number that is not finite, or too many of them");
+  }
+  return {};
+}
+
+template <typename From, typename To>
+void append(const From& from, To& to) {
+  to.Add(from.begin(), from.end());
+}
+
+v1::SignatureCertificate toProto(const SignatureCertificate& certificate) {
+  v1::SignatureCertificate message;
+  if (certificate.riemann_bilinear_residual) {
+    message.set_riemann_bilinear_residual(*certificate.riemann_bilinear_residual);
+  }
+  if (certificate.layout_closure) message.set_layout_closure(*certificate.layout_closure);
+  if (certificate.flipped_faces) message.set_flipped_faces(*certificate.flipped_faces);
+  if (certificate.max_dilatation) message.set_max_dilatation(*certificate.max_dilatation);
+  if (certificate.mean_dilatation) message.set_mean_dilatation(*certificate.mean_dilatation);
+  if (certificate.newton_iterations) message.set_newton_iterations(*certificate.newton_iterations);
+  if (certificate.mollification) message.set_mollification(*certificate.mollification);
+  for (const std::string& warning : certificate.warnings) message.add_warnings(warning);
+  return message;
+}
+
+SignatureCertificate fromProto(const v1::SignatureCertificate& message) {
+  SignatureCertificate certificate;
+  if (message.has_riemann_bilinear_residual()) {
+    certificate.riemann_bilinear_residual = message.riemann_bilinear_residual();
+  }
+  if (message.has_layout_closure()) certificate.layout_closure = message.layout_closure();
+  if (message.has_flipped_faces()) certificate.flipped_faces = message.flipped_faces();
+  if (message.has_max_dilatation()) certificate.max_dilatation = message.max_dilatation();
+  if (message.has_mean_dilatation()) certificate.mean_dilatation = message.mean_dilatation();
+  if (message.has_newton_iterations()) certificate.newton_iterations = message.newton_iterations();
+  if (message.has_mollification()) certificate.mollification = message.mollification();
+  certificate.warnings.assign(message.warnings().begin(), message.warnings().end());
+  return certificate;
+}
+
+SignatureTopology fromProto(const v1::Topology& message) {
+  SignatureTopology topology;
+  topology.vertices = message.vertices();
+  topology.faces = message.faces();
+  topology.components = message.components();
+  topology.genus = message.genus();
+  topology.boundary_loops = message.boundary_loops();
+  topology.euler_characteristic = message.euler_characteristic();
+  topology.orientable = message.orientable();
+  topology.area = message.area();
+  return topology;
+}
+
+ConformalBlock fromProto(const v1::ConformalBlock& message) {
+  ConformalBlock block;
+  block.type = static_cast<ConformalType>(static_cast<int>(message.type()) - 1);
+  if (message.has_tau()) block.tau = {message.tau().re(), message.tau().im()};
+  if (message.has_tau_error()) block.tau_error = message.tau_error();
+  return block;
+}
+
+}  // namespace
+
+v1::Inspection toProto(const Inspection& inspection, const std::vector<RepairAction>& repair) {
+  v1::Inspection message;
+  message.set_valid(inspection.valid);
+  *message.mutable_topology() = toProto(inspection.counts);
+  for (const Defect& defect : inspection.defects) {
+    v1::Defect& one = *message.add_defects();
+    one.set_kind(shifted<v1::Defect::Kind>(defect.kind));
+    one.set_severity(isBlocking(defect.kind) ? v1::Defect::BLOCKING : v1::Defect::WARNING);
+    one.set_count(defect.count);
+    append(defect.elements, *one.mutable_elements());
+    one.set_message(defect.message);
+  }
+  for (const RepairAction& action : repair) {
+    v1::RepairAction& one = *message.add_repair();
+    one.set_action(action.action);
+    one.set_count(action.count);
+  }
+  return message;
+}
+
+v1::Signature toProto(const Signature& signature) {
+  v1::Signature message;
+  *message.mutable_topology() = toProto(signature.topology);
+  if (signature.conformal) {
+    v1::ConformalBlock& block = *message.mutable_conformal();
+    block.set_type(shifted<v1::ConformalBlock::Type>(signature.conformal->type));
+    if (signature.conformal->tau) {
+      block.mutable_tau()->set_re(signature.conformal->tau->real());
+      block.mutable_tau()->set_im(signature.conformal->tau->imag());
+    }
+    if (signature.conformal->tau_error) block.set_tau_error(*signature.conformal->tau_error);
+  }
+  if (signature.metric) {
+    append(signature.metric->conformal_factor_spectrum,
+           *message.mutable_metric()->mutable_conformal_factor_spectrum());
+  }
+  if (signature.shape) {
+    append(signature.shape->mean_curvature_spectrum,
+           *message.mutable_shape()->mutable_mean_curvature_spectrum());
+    append(signature.shape->cross_spectrum, *message.mutable_shape()->mutable_cross_spectrum());
+  }
+  append(signature.vectors.conformal, *message.mutable_vectors()->mutable_conformal());
+  append(signature.vectors.metric, *message.mutable_vectors()->mutable_metric());
+  append(signature.vectors.shape, *message.mutable_vectors()->mutable_shape());
+  message.set_descriptor_version(signature.descriptor_version);
+  *message.mutable_certificate() = toProto(signature.certificate);
+  message.mutable_timing()->insert(signature.timing.begin(), signature.timing.end());
+  return message;
+}
+
+Result<Signature> fromProto(const v1::Signature& message) {
+  RETURN_IF_ERROR(checkSignature(message));
+  Signature signature;
+  signature.topology = fromProto(message.topology());
+  if (message.has_conformal()) signature.conformal = fromProto(message.conformal());
+  if (message.has_metric()) {
+    const auto& spectrum = message.metric().conformal_factor_spectrum();
+    signature.metric.emplace().conformal_factor_spectrum.assign(spectrum.begin(), spectrum.end());
+  }
+  if (message.has_shape()) {
+    const v1::ShapeBlock& from = message.shape();
+    ShapeBlock& block = signature.shape.emplace();
+    block.mean_curvature_spectrum.assign(from.mean_curvature_spectrum().begin(),
+                                         from.mean_curvature_spectrum().end());
+    block.cross_spectrum.assign(from.cross_spectrum().begin(), from.cross_spectrum().end());
+  }
+  const v1::SearchVectors& vectors = message.vectors();
+  signature.vectors.conformal.assign(vectors.conformal().begin(), vectors.conformal().end());
+  signature.vectors.metric.assign(vectors.metric().begin(), vectors.metric().end());
+  signature.vectors.shape.assign(vectors.shape().begin(), vectors.shape().end());
+  signature.descriptor_version = message.descriptor_version();
+  signature.certificate = fromProto(message.certificate());
+  signature.timing.insert(message.timing().begin(), message.timing().end());
+  return signature;
+}
+
+v1::SignatureDistances toProto(const SignatureDistances& distances) {
+  v1::SignatureDistances message;
+  if (distances.conformal) message.set_conformal(*distances.conformal);
+  if (distances.metric) message.set_metric(*distances.metric);
+  if (distances.shape) message.set_shape(*distances.shape);
+  return message;
+}
+
+SignatureDistances fromProto(const v1::SignatureDistances& message) {
+  SignatureDistances distances;
+  if (message.has_conformal()) distances.conformal = message.conformal();
+  if (message.has_metric()) distances.metric = message.metric();
+  if (message.has_shape()) distances.shape = message.shape();
+  return distances;
+}
+
+v1::MeshSource::Format toProto(MeshFormat format) {
+  return shifted<v1::MeshSource::Format>(format);
+}
+
+std::optional<MeshFormat> fromProto(v1::MeshSource::Format format) {
+  if (format < v1::MeshSource::OBJ || format > v1::MeshSource::STL) return {};
+  return static_cast<MeshFormat>(static_cast<int>(format) - 1);
+}
+
+v1::Signature::Space toProto(Space space) {
+  return shifted<v1::Signature::Space>(space);
+}
+
+std::optional<Space> fromProto(v1::Signature::Space space) {
+  if (space < v1::Signature::CONFORMAL || space > v1::Signature::SHAPE) return {};
+  return static_cast<Space>(static_cast<int>(space) - 1);
+}
+
+v1::PrepareOptions toProto(const PrepareOptions& options) {
+  v1::PrepareOptions message;
+  message.set_repair(options.repair.repair);
+  if (options.repair.fill_holes) message.set_fill_holes(*options.repair.fill_holes);
+  message.set_component(options.component);
+  return message;
+}
+
+PrepareOptions fromProto(const v1::PrepareOptions& message) {
+  PrepareOptions options;
+  options.repair.repair = message.repair();
+  if (message.has_fill_holes()) options.repair.fill_holes = message.fill_holes();
+  options.component = message.component();
+  return options;
+}
+
+}  // namespace moduli
