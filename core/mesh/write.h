@@ -13,14 +13,16 @@ enum class Encoding { kText, kBinary };
 
 /// The bytes of a mesh file. Text has the shortest decimals that read back as the same doubles; PLY
 /// is written with double coordinates, in text or little-endian binary. OBJ and OFF are text only.
-/// STL keeps float32 coordinates at most (its format has no more) and loses the numbering.
-/// Fails with kInvalidOption (a format that has no such encoding; in STL a coordinate beyond
+/// Binary STL rounds coordinates to float32 (its format has no more); STL of both encodings loses
+/// the numbering and the vertices without faces.
+/// Fails with kInvalidOption (a format that has no such encoding; in binary STL a coordinate beyond
 /// float32). O(V + F).
 Result<std::string> writeMesh(const TriangleSoup& soup, MeshFormat format,
                               Encoding encoding = Encoding::kText);
 
-/// Writes a whole file or leaves none: a temporary file in the same folder, then a rename.
-/// Fails with kFileUnwritable.
+/// Writes a whole file or leaves what was there: a temporary file in the same folder, fsync, then a
+/// rename. Behind a symbolic link the file itself is replaced; pipes and devices are written to as
+/// they are. Fails with kFileUnwritable.
 Status writeFile(const std::string& path, std::string_view bytes);
 
 }  // namespace moduli
