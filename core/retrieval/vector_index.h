@@ -32,24 +32,30 @@ class VectorIndex {
   virtual ~VectorIndex() = default;
 
   /// The k nearest rows that `accept` (may be empty: all) lets through; fewer if there are fewer.
+  /// accept may be called from several threads at once.
   /// Fails with kInvalidOption if the query has another dimension or is not finite, k is 0, and
   /// with kCancelled / kDeadlineExceeded.
   virtual Result<std::vector<Neighbor>> search(
       Context& context, std::span<const float> query, std::size_t k,
       const std::function<bool(std::int64_t)>& accept = {}) const = 0;
 
-  virtual std::size_t size() const = 0;
-  virtual std::size_t dimension() const = 0;
+  /// The rows that it was built of, in the order given.
+  virtual const VectorSet& rows() const = 0;
+  std::size_t size() const { return rows().ids.size(); }
+  std::size_t dimension() const { return rows().dimension; }
   /// Whether the answer is the true nearest neighbours (up to float32 rounding of distances).
   virtual bool exact() const = 0;
 };
 
-/// Looks at every row. The twin that the other is tested against.
+/// Looks at every row. The twin that the other is tested against: the same rows give the same ids
+/// and the same distances to the last bit. Fails as makeFlannIndex.
 Result<std::unique_ptr<VectorIndex>> makeBruteForceIndex(VectorSet set);
 
 /// FLANN's single k-d tree, exact, in shards of at most `shard_rows` rows searched in parallel and
-/// merged. Copies the rows that it needs. Fails with kInvalidOption on NaN or infinite values or
-/// sizes that do not fit. An empty set is fine. O(n log n) to build.
+/// merged. Distances are summed in double precision, so float32 rounding hides no neighbour. Fails
+/// with kInvalidOption on values that are not finite (or above 1e38, where sums overflow) and on
+/// sizes that do not fit. An empty set is fine, and so is dimension 0, where all distances are 0.
+/// Holds the rows twice: as given, and in the order of the tree. O(n log n) to build.
 Result<std::unique_ptr<VectorIndex>> makeFlannIndex(VectorSet set, std::size_t shard_rows = 100000);
 
 }  // namespace moduli
