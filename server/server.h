@@ -1,7 +1,5 @@
 #pragma once
 
-#include <grpcpp/channel.h>
-
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +7,10 @@
 #include <string>
 
 #include "core/base/status.h"
+
+namespace grpc {
+class Channel;
+}
 
 namespace moduli {
 
