@@ -23,15 +23,26 @@ struct SphereMap {
   int newton_iterations = 0;
 };
 
-/// Conformal map of a closed connected genus-0 surface to the sphere by two linear solves: harmonic
-/// map to the plane from a dipole at a central face, mean Beltrami coefficient removed, lifted with
-/// north-south balance, pole corrected by a linear Beltrami solve, Möbius-centred with the vertex
-/// areas of the metric. lengths: per edge, proper triangles.
-/// Fails with kUnsupportedTopology, kFoldedMap (flipped faces, with their number; the hint names
-/// the remedy), and as SpdSolver does. About 3 F. Source: Angenent and Haker 2000; Choi, Lam, Lui
-/// 2015; MATH 2.3, 2.7.
+/// Conformal map of a closed connected genus-0 surface to the sphere by linear solves alone. First
+/// a harmonic map to the plane from a dipole at a central face, its mean Beltrami coefficient
+/// removed, lifted with north-south balance. Its error sits at the pole and is of first order in
+/// the edge length elsewhere, so the map is then relaxed to harmonic in two overlapping charts of
+/// the sphere in turn. (The linear Beltrami system of a chart is this: the Dirichlet energy of the
+/// surface's own metric.) Last it is Möbius-centred with the vertex areas of the metric.
+///
+/// lengths: per edge, proper triangles. The map is canonical up to a rotation: it depends on the
+/// lengths alone, but for the choice among faces that a symmetry of the surface carries into each
+/// other, where the lowest index wins. Positions converge at second order in the mean square on
+/// smooth surfaces. Fails with kUnsupportedTopology, kFoldedMap (with the number of flipped faces;
+/// the hint names the remedy), and as SpdSolver does. Three factorizations, about 3 F. Source:
+/// Angenent and Haker 2000; Choi, Lam, Lui 2015; MATH 2.3, 2.7.
 Result<SphereMap> mapToSphereLinear(Context& context, const Connectivity& surface,
                                     const std::vector<double>& lengths);
+
+/// Signed solid angle of a spherical triangle, positive when a, b, c run counter-clockwise seen
+/// from outside. Relative accuracy also for tiny triangles.
+double signedSolidAngle(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                        const Eigen::Vector3d& c);
 
 /// Measures a map. points: per vertex on the unit sphere. O(F). Source: MATH 2.9, 9.1.
 SphereQuality measureSphereMap(const Connectivity& surface, const std::vector<double>& lengths,
