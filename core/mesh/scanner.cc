@@ -49,16 +49,14 @@ Status Scanner::textError(Reason reason, const char* place, std::string_view mes
     if (isLineEnd(*c) && !pair) ++line;
   }
   std::string text(name_);
-  text += ":" + std::to_string(line) + ": ";
-  text += message;
+  text.append(":").append(std::to_string(line)).append(": ").append(message);
   return {reason, std::move(text), std::string(hint)};
 }
 
 Status Scanner::byteError(Reason reason, const char* place, std::string_view message,
                           std::string_view hint) const {
   std::string text(name_);
-  text += ": byte " + std::to_string(place - begin_) + ": ";
-  text += message;
+  text.append(": byte ").append(std::to_string(place - begin_)).append(": ").append(message);
   return {reason, std::move(text), std::string(hint)};
 }
 
