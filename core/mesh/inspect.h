@@ -18,8 +18,8 @@ enum class DefectKind : std::uint8_t {
   kDegenerateFace,           ///< A face repeats a vertex.
   kDuplicateFace,            ///< Same three vertices as an earlier face, in any order.
   kNonManifoldEdge,          ///< More than two faces.
-  kInconsistentOrientation,  ///< Two faces run through an edge in the same direction.
   kNonOrientable,            ///< No choice of face directions agrees everywhere.
+  kInconsistentOrientation,  ///< Both faces of an edge run through it in the same direction.
   kNonManifoldVertex,        ///< Several fans of faces meet at a vertex (pinched).
   kIsolatedVertex,           ///< No face uses it. Warning.
   kDuplicateVertex,          ///< Same coordinates as an earlier vertex. Warning.
@@ -33,9 +33,10 @@ bool isBlocking(DefectKind kind);
 
 struct Defect {
   DefectKind kind;
+  /// Of vertices, faces, edges, or components (kNonOrientable, kMultipleComponents).
   Index count = 0;
-  /// The first 100: vertices, faces, or for edge defects the lowest face at each edge; for
-  /// kMultipleComponents the lowest face of each component.
+  /// The first 100, ascending: vertices, faces, the lowest face at each edge, or the lowest face of
+  /// each component.
   std::vector<Index> elements;
   std::string message;  ///< One sentence for a person, with the remedy.
 };
@@ -49,6 +50,7 @@ struct SurfaceCounts {
   Index boundary_loops = 0;
   /// V - E + F of the surface after splitting pinched vertices, without isolated vertices.
   Index euler_characteristic = 0;
+  /// Face directions could agree at every edge with two faces.
   bool orientable = false;
   std::optional<Index>
       genus;        ///< Empty where an edge is non-manifold or the surface non-orientable.

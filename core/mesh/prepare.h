@@ -19,8 +19,8 @@ struct PrepareOptions {
 /// One connected surface ready for computing, and where its elements came from.
 struct PreparedMesh {
   TriangleMesh mesh;
-  std::vector<Index> input_vertex;  ///< Per vertex of mesh; kNone for one that repair made.
-  std::vector<Index> input_face;    ///< Per face of mesh; kNone for one that repair made.
+  std::vector<Index> input_vertex;  ///< Per vertex of mesh; kNone for one that fills a hole.
+  std::vector<Index> input_face;    ///< Per face of mesh; kNone for one that fills a hole.
   std::vector<RepairAction> actions;
   std::vector<std::string> warnings;  ///< "ZERO_AREA_FACE: ...", for the certificate.
 };
