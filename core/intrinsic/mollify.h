@@ -15,9 +15,10 @@ struct MollifiedLengths {
 };
 
 /// Adds the least constant to all lengths that gives each face a slack l_i + l_j - l_k of at least
-/// `relative_slack` times the mean length; sound meshes come back untouched. Commutes with scaling
-/// and renumbering. lengths: per edge, finite and >= 0. Fails with kInvalidOption for others or
-/// when all are 0. O(F). Source: Sharp and Crane 2020, section 4.5 (intrinsic mollification).
+/// `relative_slack` times the mean length (and of eight units in the last place of its longest
+/// edge); sound meshes come back untouched. Commutes with scaling and renumbering. lengths: per
+/// edge, finite and >= 0. Fails with kInvalidOption for others or when all are 0. O(F).
+/// Source: Sharp and Crane 2020, section 4.5 (intrinsic mollification).
 Result<MollifiedLengths> mollify(const Connectivity& surface, std::vector<double> lengths,
                                  double relative_slack = 1e-10);
 
