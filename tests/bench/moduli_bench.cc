@@ -1,0 +1,205 @@
+// moduli_bench [google-benchmark flags] [MESH...]: what every stage costs, in F.
+//
+// F is the time of one CHOLMOD analyse + factorize + solve of the same mesh's cotan Laplacian in
+// the same run (yardstick.h). The counters named after stages, and `F` for a whole benchmark, are
+// multiples of it. Without meshes, sample surfaces are measured.
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "core/mesh/prepare.h"
+#include "core/mesh/read.h"
+#include "core/mesh/samples.h"
+#include "core/mesh/write.h"
+#include "core/retrieval/vector_index.h"
+#include "core/signature/compute.h"
+#include "tests/bench/yardstick.h"
+
+namespace moduli {
+namespace {
+
+// A mesh file in memory, prepared, with its F.
+struct Case {
+  std::string name;
+  std::string bytes;
+  TriangleSoup soup;
+  PreparedMesh prepared;
+  Yardstick yardstick;
+};
+
+Result<std::shared_ptr<Case>> makeCase(const std::string& name, std::string bytes) {
+  Context context;
+  ReadOptions options;
+  options.name = name;
+  ASSIGN_OR_RETURN(TriangleSoup soup, readMesh(context, bytes, options));
+  ASSIGN_OR_RETURN(PreparedMesh prepared, prepareMesh(context, soup, {}));
+  ASSIGN_OR_RETURN(const Yardstick yardstick, measureYardstick(prepared.mesh));
+  return std::make_shared<Case>(
+      Case{name, std::move(bytes), std::move(soup), std::move(prepared), yardstick});
+}
+
+// Adds seconds per iteration as a multiple of F.
+void count(benchmark::State& state, const std::string& name, double seconds, const Case& mesh) {
+  state.counters[name] =
+      benchmark::Counter(seconds / mesh.yardstick.total(), benchmark::Counter::kAvgIterations);
+}
+
+double timed(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Runs `work` as a benchmark whose counter F is its cost in F.
+void runTimed(benchmark::State& state, const Case& mesh, const std::function<Status()>& work) {
+  double total = 0;
+  for (auto iteration : state) {
+    Status status;
+    const double seconds = timed([&] { status = work(); });
+    if (!status.ok()) {
+      state.SkipWithError(status.toString().c_str());
+      return;
+    }
+    state.SetIterationTime(seconds);
+    total += seconds;
+  }
+  count(state, "F", total, mesh);
+}
+
+void benchYardstick(benchmark::State& state, const std::shared_ptr<Case>& mesh) {
+  for (auto iteration : state) state.SetIterationTime(mesh->yardstick.total());
+  state.counters["analyse"] = mesh->yardstick.analyse / mesh->yardstick.total();
+  state.counters["factorize"] = mesh->yardstick.factorize / mesh->yardstick.total();
+  state.counters["solve"] = mesh->yardstick.solve / mesh->yardstick.total();
+  state.counters["faces"] = mesh->prepared.mesh.faceCount();
+}
+
+void benchRead(benchmark::State& state, const std::shared_ptr<Case>& mesh) {
+  ReadOptions options;
+  options.name = mesh->name;
+  runTimed(state, *mesh, [&] {
+    Context context;
+    return readMesh(context, mesh->bytes, options).status();
+  });
+}
+
+void benchPrepare(benchmark::State& state, const std::shared_ptr<Case>& mesh) {
+  runTimed(state, *mesh, [&] {
+    Context context;
+    return prepareMesh(context, mesh->soup, {}).status();
+  });
+}
+
+void benchSignature(benchmark::State& state, const std::shared_ptr<Case>& mesh) {
+  std::map<std::string, double> stages;
+  runTimed(state, *mesh, [&] {
+    Context context;
+    const auto signature = computeSignature(context, mesh->prepared);
+    if (signature.ok()) {
+      for (const auto& [stage, seconds] : signature->timing) stages[stage] += seconds;
+    }
+    return signature.status();
+  });
+  for (const auto& [stage, seconds] : stages) count(state, stage, seconds, *mesh);
+}
+
+void registerMesh(const std::shared_ptr<Case>& mesh) {
+  const auto add = [&](const char* stage,
+                       void (*body)(benchmark::State&, const std::shared_ptr<Case>&)) {
+    benchmark::RegisterBenchmark((std::string(stage) + "/" + mesh->name).c_str(),
+                                 [=](benchmark::State& state) { body(state, mesh); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
+  };
+  add("F", benchYardstick);
+  add("read", benchRead);
+  add("prepare", benchPrepare);
+  add("signature", benchSignature);
+}
+
+VectorSet randomVectors(std::size_t rows, std::size_t dimension) {
+  std::mt19937 bits(1);
+  VectorSet set;
+  set.dimension = dimension;
+  set.values.resize(rows * dimension);
+  for (float& value : set.values) value = static_cast<float>(bits() >> 8) * 0x1p-24F;
+  for (std::size_t i = 0; i < rows; ++i) set.ids.push_back(static_cast<std::int64_t>(i));
+  return set;
+}
+
+// Ten nearest of random vectors of the shape space's length; queries are rows, moved a little.
+void benchSearch(benchmark::State& state) {
+  constexpr std::size_t kDimension = 96;
+  const VectorSet set = randomVectors(static_cast<std::size_t>(state.range(0)), kDimension);
+  auto index = makeFlannIndex(set);
+  if (!index.ok()) {
+    state.SkipWithError(index.status().toString().c_str());
+    return;
+  }
+  std::size_t row = 0;
+  for (auto iteration : state) {
+    std::vector<float> query(set.values.begin() + row * kDimension,
+                             set.values.begin() + (row + 1) * kDimension);
+    for (float& value : query) value += 0.01F;
+    row = (row + 7919) % set.ids.size();
+    Context context;
+    auto found = (*index)->search(context, query, 10);
+    if (!found.ok()) state.SkipWithError(found.status().toString().c_str());
+    benchmark::DoNotOptimize(found);
+  }
+}
+
+Result<std::shared_ptr<Case>> loadFile(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return Status(Reason::kFileNotFound, path + ": cannot be opened");
+  std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  return makeCase(path.substr(path.find_last_of('/') + 1), std::move(bytes));
+}
+
+Result<std::shared_ptr<Case>> loadSample(const std::string& kind, double resolution) {
+  ASSIGN_OR_RETURN(const TriangleSoup soup,
+                   makeSample(kind, {{"resolution", resolution}, {"seed", 1}}));
+  ASSIGN_OR_RETURN(std::string bytes, writeMesh(soup, MeshFormat::kPly, Encoding::kBinary));
+  return makeCase(kind + "-" + std::to_string(soup.faces.size()), std::move(bytes));
+}
+
+bool registerCase(const Result<std::shared_ptr<Case>>& mesh) {
+  if (mesh.ok()) {
+    registerMesh(*mesh);
+  } else {
+    std::fprintf(stderr, "moduli_bench: %s\n", mesh.status().toString().c_str());
+  }
+  return mesh.ok();
+}
+
+int runAll(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  bool good = true;
+  for (int i = 1; i < argc; ++i) good &= registerCase(loadFile(argv[i]));
+  if (argc == 1) {
+    good &= registerCase(loadSample("sphere", 45)) && registerCase(loadSample("torus", 100));
+    benchmark::RegisterBenchmark("search", benchSearch)
+        ->Arg(10000)
+        ->Arg(100000)
+        ->Unit(benchmark::kMillisecond);
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return good ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace moduli
+
+int main(int argc, char** argv) {
+  return moduli::runAll(argc, argv);
+}

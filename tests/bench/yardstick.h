@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/base/status.h"
+#include "core/mesh/triangle_mesh.h"
+
+namespace moduli {
+
+/// F: the time of one CHOLMOD supernodal analyse + factorize + solve of the mesh's shifted cotan
+/// Laplacian, straight through CHOLMOD's own interface with its default ordering, BLAS on one
+/// thread. Seconds, median of five runs.
+struct Yardstick {
+  double analyse = 0;
+  double factorize = 0;
+  double solve = 0;
+  double total() const { return analyse + factorize + solve; }
+};
+
+Result<Yardstick> measureYardstick(const TriangleMesh& mesh);
+
+}  // namespace moduli

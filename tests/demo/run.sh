@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# The demonstration: signs sample surfaces, stores them, searches them, leaves pictures.
+# usage: run.sh BIN OUT      BIN holds moduli; OUT is made anew.
+set -eu
+bin=$1
+out=$2
+moduli="$bin/moduli"
+
+rm -rf "$out"
+mkdir -p "$out/meshes/spheres" "$out/meshes/tori"
+export MODULI_DATA="$out/store"
+unset MODULI_SERVER
+
+say() { printf '\n\033[1m%s\033[0m\n' "$*"; }
+sample() { # sample CLASS/NAME KIND k=v...
+  local name=$1
+  shift
+  "$moduli" --quiet sample "$@" -o "$out/meshes/$name.ply"
+}
+
+say "1. Sample surfaces"
+sample spheres/round sphere resolution=24
+for c in 0.5 0.75 1.5 2; do sample "spheres/spheroid-$c" spheroid a=1 c=$c resolution=24; done
+sample spheres/ellipsoid ellipsoid a=1 b=1.3 c=1.8 resolution=24
+for l in 0.5 1.5; do sample "spheres/capsule-$l" capped-cylinder radius=1 half_length=$l resolution=24; done
+for R in 1.3 1.6 2 3; do sample "tori/torus-$R" torus R=$R r=1 resolution=32; done
+sample tori/clifford torus R=1.4142135623730951 r=1 resolution=40 seed=7
+sample tori/diplotorus diplotorus n=6 phi=0.03 h=0.6 s=-2 s2=0 subdivide=6
+ls "$out"/meshes/*
+
+say "2. What is in a mesh: moduli inspect"
+"$moduli" inspect "$out/meshes/tori/torus-2.ply"
+
+say "3. Its signature: a torus with radii 2 and 1 has tau = i sqrt 3 = 1.732... i"
+"$moduli" signature "$out/meshes/tori/torus-2.ply"
+
+say "4. All of them into a collection: moduli add"
+"$moduli" add -c demo --recursive "$out/meshes" --label-from dir
+"$moduli" list -c demo
+
+say "5. Search by shape: who looks like a capsule?"
+"$moduli" search -c demo "$out/meshes/spheres/capsule-0.5.ply" -k 6 --picture "$out/search-capsule.png"
+
+say "6. Search by conformal structure: which tori have the angles of the Clifford torus?"
+"$moduli" search -c demo "$out/meshes/tori/clifford.ply" --space conformal -k 6 \
+  --picture "$out/search-clifford.png"
+
+say "Done. Look at:"
+ls "$out"/*.png
