@@ -1,0 +1,262 @@
+#include <cmath>
+#include <utility>
+
+#include "moduli/v1/catalog.grpc.pb.h"
+#include "server/rpc/convert.h"
+#include "server/service/event_stream.h"
+#include "server/service/ingest_call.h"
+#include "server/service/request.h"
+#include "server/service/search_query.h"
+#include "server/service/services.h"
+#include "server/service/stored_shape.h"
+#include "server/service/unary_call.h"
+
+namespace moduli {
+namespace {
+
+using Rpc = grpc::CallbackServerContext;
+
+Result<v1::Collection> createCollection(const Backend& backend,
+                                        const v1::CreateCollectionRequest& request) {
+  ASSIGN_OR_RETURN(Catalog* const catalog, backend.catalog());
+  ASSIGN_OR_RETURN(const CollectionRecord record,
+                   catalog->createCollection(request.collection_id(), request.request_id()));
+  return toProto(record);
+}
+
+Result<v1::Collection> getCollection(const Backend& backend, const std::string& name) {
+  ASSIGN_OR_RETURN(const Catalog* catalog, backend.catalog());
+  ASSIGN_OR_RETURN(const std::string collection, parseCollectionName(name));
+  ASSIGN_OR_RETURN(const CollectionRecord record, catalog->getCollection(collection));
+  return toProto(record);
+}
+
+Result<v1::ListCollectionsResponse> listCollections(const Backend& backend,
+                                                    const v1::ListCollectionsRequest& request) {
+  ASSIGN_OR_RETURN(const Catalog* catalog, backend.catalog());
+  ASSIGN_OR_RETURN(const Page<CollectionRecord> page,
+                   catalog->listCollections({request.page_size(), request.page_token()}));
+  v1::ListCollectionsResponse response;
+  for (const CollectionRecord& record : page.items) *response.add_collections() = toProto(record);
+  response.set_next_page_token(page.next_token);
+  return response;
+}
+
+Result<v1::DeleteCollectionResponse> deleteCollection(const Backend& backend,
+                                                      const v1::DeleteCollectionRequest& request) {
+  ASSIGN_OR_RETURN(Catalog* const catalog, backend.catalog());
+  ASSIGN_OR_RETURN(const std::string collection, parseCollectionName(request.name()));
+  ASSIGN_OR_RETURN(const std::int64_t shapes,
+                   catalog->deleteCollection(collection, request.force()));
+  RETURN_IF_ERROR(backend.indexes->refresh());
+  v1::DeleteCollectionResponse response;
+  response.set_deleted_shapes(static_cast<std::int32_t>(shapes));
+  return response;
+}
+
+Result<v1::Shape> getShape(const Backend& backend, const std::string& name) {
+  ASSIGN_OR_RETURN(const Catalog* catalog, backend.catalog());
+  ASSIGN_OR_RETURN(const ShapePath path, parseShapeName(name));
+  ASSIGN_OR_RETURN(const ShapeRecord record,
+                   catalog->getShape(path.collection, path.shape, ShapeView::kFull));
+  return toProto(record, true);
+}
+
+Result<v1::ListShapesResponse> listShapes(Context& context, const Backend& backend,
+                                          const v1::ListShapesRequest& request) {
+  ASSIGN_OR_RETURN(const Catalog* catalog, backend.catalog());
+  ASSIGN_OR_RETURN(const std::string collection, parseCollectionName(request.parent()));
+  ASSIGN_OR_RETURN(const Page<ShapeRecord> page,
+                   catalog->listShapes(context, collection, request.filter(),
+                                       {request.page_size(), request.page_token()}));
+  v1::ListShapesResponse response;
+  for (const ShapeRecord& record : page.items) {
+    ASSIGN_OR_RETURN(*response.add_shapes(), toProto(record, false));
+  }
+  response.set_next_page_token(page.next_token);
+  return response;
+}
+
+Result<v1::DeleteShapeResponse> deleteShape(const Backend& backend, const std::string& name) {
+  ASSIGN_OR_RETURN(Catalog* const catalog, backend.catalog());
+  ASSIGN_OR_RETURN(const ShapePath path, parseShapeName(name));
+  RETURN_IF_ERROR(catalog->deleteShape(path.collection, path.shape));
+  RETURN_IF_ERROR(backend.indexes->refresh());
+  return v1::DeleteShapeResponse{};
+}
+
+Refusal checkPage(int size) {
+  if (size >= 0) return {};
+  return {{Reason::kInvalidRequest, "page_size is negative", "give 0 for the usual size"},
+          "page_size"};
+}
+
+Refusal checkSearch(const v1::SearchShapesRequest& request) {
+  Refusal query;
+  switch (request.query_case()) {
+    case v1::SearchShapesRequest::kSource:
+      query = checkSource(request.source(), "source");
+      break;
+    case v1::SearchShapesRequest::kShape:
+      query = checkShapeName(request.shape(), "shape");
+      break;
+    case v1::SearchShapesRequest::kSignature:
+      query = {fromProto(request.signature()).status(), "signature"};
+      break;
+    case v1::SearchShapesRequest::QUERY_NOT_SET:
+      query = {{Reason::kInvalidRequest, "nothing to search for is given",
+                "set one of source, shape and signature"},
+               "query"};
+  }
+  Refusal count;
+  if (request.k() < 0 || request.k() > kMaxHits) {
+    count = {{Reason::kInvalidOption,
+              "k is " + std::to_string(request.k()) + ", not in 1 to " + std::to_string(kMaxHits),
+              "ask for fewer hits"},
+             "k"};
+  }
+  return firstOf(checkCollectionName(request.parent(), "parent"), query, count,
+                 checkSpace(request.space(), "space"), checkPrepare(request.prepare(), "prepare"));
+}
+
+/// Sends a stored file chunk by chunk. Each chunk is read on an I/O thread when the one before it
+/// has been written, so that one chunk is in memory whatever the file's size.
+class Download : public std::enable_shared_from_this<Download> {
+ public:
+  using Stream = EventStream<v1::DownloadMeshResponse>;
+
+  Download(Backend& backend, Stream::Self stream) : backend_(backend), stream_(std::move(stream)) {}
+
+  void open(const std::string& name) {
+    const Status status = guarded([&]() -> Status {
+      ASSIGN_OR_RETURN(const Catalog* catalog, backend_.catalog());
+      ASSIGN_OR_RETURN(const ShapePath path, parseShapeName(name));
+      ASSIGN_OR_RETURN(const ShapeRecord record,
+                       catalog->getShape(path.collection, path.shape, ShapeView::kSummary));
+      ASSIGN_OR_RETURN(reader_, backend_.store->meshes().openReader(record.digest));
+      next_.set_format(toProto(record.format));
+      next_.set_file_name(record.file_name);
+      next_.set_total_size(reader_->size());
+      return {};
+    });
+    if (!status.ok()) return stream_->end(status);
+    sendNext();
+  }
+
+ private:
+  void sendNext() {
+    Result<std::string> data = guarded([&] { return reader_->next(kMaxChunkBytes); });
+    if (!data.ok()) return stream_->end(data.status());
+    // The first message goes out even for an empty file, for the sake of its header.
+    if (data->empty() && sent_any_) return stream_->end({});
+    next_.set_data(*std::move(data));
+    sent_any_ = true;
+    stream_->send(std::exchange(next_, {}), [self = shared_from_this()] {
+      self->backend_.io.submitWhenRoom([self] { self->sendNext(); });
+    });
+  }
+
+  Backend& backend_;
+  const Stream::Self stream_;
+  std::unique_ptr<MeshReader> reader_;
+  v1::DownloadMeshResponse next_;
+  bool sent_any_ = false;
+};
+
+class CatalogService final : public v1::CatalogService::CallbackService {
+ public:
+  explicit CatalogService(Backend& backend) : backend_(backend) {}
+
+  grpc::ServerUnaryReactor* CreateCollection(Rpc* rpc, const v1::CreateCollectionRequest* request,
+                                             v1::Collection* response) override {
+    const Status valid = validateCollectionName(request->collection_id());
+    return UnaryCall<v1::Collection>::answer(
+        backend_, *rpc, *response, {"CreateCollection", Role::kWriter}, {valid, "collection_id"},
+        [this, kept = *request](Context&) { return createCollection(backend_, kept); });
+  }
+
+  grpc::ServerUnaryReactor* GetCollection(Rpc* rpc, const v1::GetCollectionRequest* request,
+                                          v1::Collection* response) override {
+    return UnaryCall<v1::Collection>::answer(
+        backend_, *rpc, *response, {"GetCollection"}, checkCollectionName(request->name(), "name"),
+        [this, name = request->name()](Context&) { return getCollection(backend_, name); });
+  }
+
+  grpc::ServerUnaryReactor* ListCollections(Rpc* rpc, const v1::ListCollectionsRequest* request,
+                                            v1::ListCollectionsResponse* response) override {
+    return UnaryCall<v1::ListCollectionsResponse>::answer(
+        backend_, *rpc, *response, {"ListCollections"}, checkPage(request->page_size()),
+        [this, kept = *request](Context&) { return listCollections(backend_, kept); });
+  }
+
+  grpc::ServerUnaryReactor* DeleteCollection(Rpc* rpc, const v1::DeleteCollectionRequest* request,
+                                             v1::DeleteCollectionResponse* response) override {
+    return UnaryCall<v1::DeleteCollectionResponse>::answer(
+        backend_, *rpc, *response, {"DeleteCollection", Role::kAdmin},
+        checkCollectionName(request->name(), "name"),
+        [this, kept = *request](Context&) { return deleteCollection(backend_, kept); });
+  }
+
+  grpc::ServerUnaryReactor* GetShape(Rpc* rpc, const v1::GetShapeRequest* request,
+                                     v1::Shape* response) override {
+    return UnaryCall<v1::Shape>::answer(
+        backend_, *rpc, *response, {"GetShape"}, checkShapeName(request->name(), "name"),
+        [this, name = request->name()](Context&) { return getShape(backend_, name); });
+  }
+
+  grpc::ServerUnaryReactor* ListShapes(Rpc* rpc, const v1::ListShapesRequest* request,
+                                       v1::ListShapesResponse* response) override {
+    return UnaryCall<v1::ListShapesResponse>::answer(
+        backend_, *rpc, *response, {"ListShapes"},
+        firstOf(checkCollectionName(request->parent(), "parent"), checkPage(request->page_size()),
+                Refusal{Filter::parse(request->filter()).status(), "filter"}),
+        [this, kept = *request](Context& context) { return listShapes(context, backend_, kept); });
+  }
+
+  grpc::ServerUnaryReactor* DeleteShape(Rpc* rpc, const v1::DeleteShapeRequest* request,
+                                        v1::DeleteShapeResponse* response) override {
+    return UnaryCall<v1::DeleteShapeResponse>::answer(
+        backend_, *rpc, *response, {"DeleteShape", Role::kWriter},
+        checkShapeName(request->name(), "name"),
+        [this, name = request->name()](Context&) { return deleteShape(backend_, name); });
+  }
+
+  grpc::ServerWriteReactor<v1::DownloadMeshResponse>* DownloadMesh(
+      Rpc* rpc, const v1::DownloadMeshRequest* request) override {
+    return Download::Stream::open(
+        backend_, *rpc, {"DownloadMesh"}, checkShapeName(request->name(), "name"),
+        [this, name = request->name()](const Download::Stream::Self& stream) {
+          auto download = std::make_shared<Download>(backend_, stream);
+          return backend_.io.submit([download, name] { download->open(name); });
+        });
+  }
+
+  IngestCall::Reactor* IngestShapes(Rpc* rpc) override {
+    return IngestCall::answer(backend_, *rpc);
+  }
+
+  grpc::ServerWriteReactor<v1::SearchShapesResponse>* SearchShapes(
+      Rpc* rpc, const v1::SearchShapesRequest* request) override {
+    return EventStream<v1::SearchShapesResponse>::answer(
+        backend_, *rpc, {"SearchShapes"},
+        firstOf(checkSearch(*request),
+                Refusal{Filter::parse(request->filter()).status(), "filter"}),
+        [this, kept = std::make_shared<v1::SearchShapesRequest>(*request)](
+            Context& context) -> Result<v1::SearchShapesResponse> {
+          v1::SearchShapesResponse response;
+          ASSIGN_OR_RETURN(*response.mutable_result(), search(context, backend_, *kept));
+          return response;
+        });
+  }
+
+ private:
+  Backend& backend_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> makeCatalogService(Backend& backend) {
+  return std::make_unique<CatalogService>(backend);
+}
+
+}  // namespace moduli
