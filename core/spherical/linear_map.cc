@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace moduli::spherical {
@@ -71,14 +70,6 @@ void removeMeanDilatation(const Connectivity& surface, const std::vector<FaceFra
 
 }  // namespace
 
-FaceFrame frameFromSides(double side01, double side12, double side20, double area) {
-  FaceFrame frame;
-  frame.base = side01;
-  frame.x = ((side20 - side12) * (side20 + side12) + side01 * side01) / (2 * side01);
-  frame.y = 2 * area / side01;
-  return frame;
-}
-
 Result<DipoleMap> DipoleMap::make(Context& context, const Connectivity& surface,
                                   const std::vector<double>& lengths) {
   const std::vector<double> areas = faceAreas(surface, lengths);
@@ -106,15 +97,8 @@ Result<PlanePoints> DipoleMap::solve(Context& context, Index pole) const {
   return z;
 }
 
-double faceQuality(const FaceFrame& frame) {
-  const double y2 = frame.y * frame.y;
-  const double squares = frame.base * frame.base + (frame.x - frame.base) * (frame.x - frame.base) +
-                         frame.x * frame.x + 2 * y2;
-  return 4 * std::numbers::sqrt3 * frame.area() / squares;
-}
-
 Index largestFace(const std::vector<FaceFrame>& frames) {
-  const auto score = [](const FaceFrame& frame) { return frame.area() * faceQuality(frame); };
+  const auto score = [](const FaceFrame& frame) { return frame.area() * frame.quality(); };
   const auto best =
       std::max_element(frames.begin(), frames.end(),
                        [&](const FaceFrame& a, const FaceFrame& b) { return score(a) < score(b); });
@@ -128,7 +112,7 @@ Index centralFace(const Connectivity& surface, const std::vector<FaceFrame>& fra
   for (Index f = 0; f < surface.faceCount(); ++f) {
     const auto& [a, b, c] = surface.face(f);
     const double image = (points[b] - points[a]).cross(points[c] - points[a]).norm();
-    const double quality = faceQuality(frames[f]);
+    const double quality = frames[f].quality();
     const double score = image / frames[f].area() * quality * quality;
     if (score > best_score) {
       best_score = score;

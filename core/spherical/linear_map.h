@@ -8,21 +8,13 @@
 #include "core/forms/cotan.h"
 #include "core/linalg/spd_solver.h"
 #include "core/mesh/connectivity.h"
+#include "core/spherical/face_frame.h"
 #include "core/spherical/mobius.h"
 
 /// Steps of the linear map to the sphere. Internal to this room.
 namespace moduli::spherical {
 
 using PlanePoints = std::vector<std::complex<double>>;
-
-/// A face laid out in the plane: corner 0 at 0, corner 1 at (base, 0), corner 2 at (x, y), y > 0.
-struct FaceFrame {
-  double base = 0, x = 0, y = 0;
-  double area() const { return 0.5 * base * y; }
-};
-
-/// sides: |01|, |12|, |20| of a proper triangle; area: its area, by a stable formula.
-FaceFrame frameFromSides(double side01, double side12, double side20, double area);
 
 /// The harmonic maps to the plane of a metric on a closed genus-0 surface, each with its pole in
 /// one face. One factorization for all poles.
@@ -52,9 +44,6 @@ class DipoleMap {
   std::vector<double> weights_;
   SpdSolver solver_;
 };
-
-/// 1 for an equilateral triangle, 0 for one without area.
-double faceQuality(const FaceFrame& frame);
 
 /// A large, well-shaped face: where to put the first pole. Among equals the lowest index.
 Index largestFace(const std::vector<FaceFrame>& frames);

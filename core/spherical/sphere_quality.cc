@@ -1,30 +1,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <complex>
-#include <limits>
 #include <numbers>
 
 #include "core/forms/cotan.h"
-#include "core/spherical/linear_map.h"
+#include "core/spherical/face_frame.h"
 #include "core/spherical/sphere_map.h"
 
 namespace moduli {
 namespace {
 
-/// Quasi-conformal K of the affine map between two laid-out triangles; infinite for a target
-/// without area.
-double dilatation(const spherical::FaceFrame& from, const spherical::FaceFrame& to) {
-  const double ux = to.base / from.base;
-  const double uy = (to.x - from.x * ux) / from.y;
-  const double vy = to.y / from.y;
-  const double mu =
-      std::abs(std::complex<double>(ux - vy, uy)) / std::abs(std::complex<double>(ux + vy, -uy));
-  return mu < 1 ? (1 + mu) / (1 - mu) : std::numeric_limits<double>::infinity();
-}
-
-spherical::FaceFrame chordFrame(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                const Eigen::Vector3d& c) {
+FaceFrame chordFrame(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const Eigen::Vector3d u = b - a;
   const Eigen::Vector3d w = c - a;
   const double base = u.norm();
@@ -49,10 +35,10 @@ SphereQuality measureSphereMap(const Connectivity& surface, const std::vector<do
     const double angle = signedSolidAngle(points[a], points[b], points[c]);
     solid_angle += angle;
     if (!(angle > 0)) ++quality.flipped_faces;
-    const double k = dilatation(
-        spherical::frameFromSides(lengths[surface.edge(3 * f)], lengths[surface.edge(3 * f + 1)],
+    const double k =
+        dilatation(frameFromSides(lengths[surface.edge(3 * f)], lengths[surface.edge(3 * f + 1)],
                                   lengths[surface.edge(3 * f + 2)], areas[f]),
-        chordFrame(points[a], points[b], points[c]));
+                   chordFrame(points[a], points[b], points[c]));
     quality.max_dilatation = std::max(quality.max_dilatation, k);
     weighted += areas[f] * k;
     total_area += areas[f];

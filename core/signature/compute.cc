@@ -1,0 +1,274 @@
+#include "core/signature/compute.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/text.h"
+#include "core/forms/cotan.h"
+#include "core/forms/modular.h"
+#include "core/forms/torus_period.h"
+#include "core/intrinsic/mollify.h"
+#include "core/signature/amplitudes.h"
+#include "core/signature/mean_curvature.h"
+#include "core/signature/spectra.h"
+#include "core/spherical/face_frame.h"
+#include "core/spherical/sphere_map.h"
+#include "core/topology/surface_topology.h"
+
+namespace moduli {
+namespace {
+
+/// The centring of a sphere map stops at rounding; the form of a torus closes to the rounding of a
+/// solve. A thousand times what real meshes leave is a failure.
+constexpr double kMaxCenteringResidual = 1e-9;
+constexpr double kMaxClosure = 1e-8;
+/// On exact forms the area check is the determinant gap of the energy, a discretization error. Past
+/// this the harmonic forms do not resemble holomorphic ones and tau says nothing.
+constexpr double kMaxRiemannResidual = 0.5;
+/// Relative to Im tau; larger bounds are worth a word.
+constexpr double kTellingTauError = 0.1;
+
+class SignatureBuilder {
+ public:
+  SignatureBuilder(Context& context, const PreparedMesh& prepared, const SignatureOptions& options)
+      : context_(context), prepared_(prepared), mesh_(prepared.mesh), options_(options) {}
+
+  Result<Signature> build() {
+    RETURN_IF_ERROR(describeTopology());
+    signature_.certificate.warnings = prepared_.warnings;
+    const bool sphere = signature_.topology.genus == 0;
+    RETURN_IF_ERROR(sphere ? signSphere() : signTorus());
+    fillVectors();
+    if (wants(Space::kConformal)) signature_.conformal = conformal_;
+    signature_.timing = context_.timing();
+    return std::move(signature_);
+  }
+
+ private:
+  bool wants(Space space) const { return !options_.space || *options_.space == space; }
+  bool wantsFields() const { return wants(Space::kMetric) || wants(Space::kShape); }
+  const Connectivity& surface() const { return mesh_.connectivity(); }
+
+  Status describeTopology() {
+    const Context::Stage stage(context_, "topology");
+    const SurfaceTopology topology = computeTopology(surface());
+    SignatureTopology& block = signature_.topology;
+    block.vertices = mesh_.vertexCount();
+    block.faces = mesh_.faceCount();
+    block.components = topology.components;
+    block.genus = topology.genus;
+    block.boundary_loops = static_cast<Index>(topology.boundary_loops.size());
+    block.euler_characteristic = topology.euler_characteristic;
+    block.area = mesh_.area();
+    if (block.components == 1 && block.boundary_loops == 0 && block.genus <= 1) return {};
+    return {
+        Reason::kUnsupportedTopology,
+        "genus " + std::to_string(block.genus) + " with " + std::to_string(block.boundary_loops) +
+            " boundary loops" +
+            (block.components == 1 ? ""
+                                   : " in " + std::to_string(block.components) + " components") +
+            ": signatures of this topology are not available yet",
+        "closed connected surfaces of genus 0 and 1 have signatures"};
+  }
+
+  Status signSphere() {
+    conformal_.type = ConformalType::kSphere;
+    if (!wantsFields()) return {};
+    RETURN_IF_ERROR(makeMetric());
+    ASSIGN_OR_RETURN(const SphereMap map, mapToSphereLinear(context_, surface(), lengths_));
+    RETURN_IF_ERROR(certifySphere(map));
+    std::vector<double> canonical(mesh_.faceCount());
+    for (Index f = 0; f < mesh_.faceCount(); ++f) {
+      const auto& [a, b, c] = surface().face(f);
+      canonical[f] = signedSolidAngle(map.points[a], map.points[b], map.points[c]);
+    }
+    ASSIGN_OR_RETURN(const VertexFields fields, makeFields(canonical));
+    const Context::Stage stage(context_, "spectra");
+    ASSIGN_OR_RETURN(FieldSpectra spectra, sphereSpectra(context_, surface(), map.points, fields));
+    keepSpectra(std::move(spectra));
+    return {};
+  }
+
+  Status signTorus() {
+    conformal_.type = ConformalType::kTorus;
+    RETURN_IF_ERROR(makeMetric());
+    ASSIGN_OR_RETURN(const TorusPeriod period, computeTorusPeriod(context_, surface(), lengths_));
+    RETURN_IF_ERROR(certifyTorus(period));
+    conformal_.tau = period.tau;
+    conformal_.tau_error = period.tau_error;
+    if (!wantsFields()) return {};
+
+    const std::vector<std::complex<double>> corners = layOutTorus(surface(), period);
+    ASSIGN_OR_RETURN(const VertexFields fields, makeFields(certifyLayout(corners)));
+    const Context::Stage stage(context_, "spectra");
+    ASSIGN_OR_RETURN(FieldSpectra spectra,
+                     torusSpectra(context_, surface(), corners, period.tau, fields));
+    keepSpectra(std::move(spectra));
+    return {};
+  }
+
+  Status makeMetric() {
+    const Context::Stage stage(context_, "metric");
+    ASSIGN_OR_RETURN(MollifiedLengths mollified, mollify(surface(), mesh_.edgeLengths()));
+    lengths_ = std::move(mollified.lengths);
+    signature_.certificate.mollification = mollified.relative_shift;
+    return {};
+  }
+
+  Status certifySphere(const SphereMap& map) {
+    SignatureCertificate& certificate = signature_.certificate;
+    certificate.flipped_faces = map.quality.flipped_faces;
+    certificate.max_dilatation = map.quality.max_dilatation;
+    certificate.mean_dilatation = map.quality.mean_dilatation;
+    certificate.newton_iterations = map.newton_iterations;
+    if (map.centering_residual <= kMaxCenteringResidual &&
+        std::isfinite(map.quality.max_dilatation)) {
+      return {};
+    }
+    return {Reason::kResidualTooLarge,
+            "the map to the sphere is centred to " + shortestDouble(map.centering_residual) +
+                " only, or squeezes a face to nothing",
+            "remesh the surface; parts of it are too thin for double precision"};
+  }
+
+  Status certifyTorus(const TorusPeriod& period) {
+    SignatureCertificate& certificate = signature_.certificate;
+    certificate.riemann_bilinear_residual = period.riemann_residual;
+    certificate.layout_closure = period.closure_residual;
+    if (!(period.riemann_residual <= kMaxRiemannResidual)) {
+      return {Reason::kResidualTooLarge,
+              "the area check of the holomorphic form fails by " +
+                  shortestDouble(period.riemann_residual) +
+                  " (allowed: " + shortestDouble(kMaxRiemannResidual) + ")",
+              "remesh the surface more finely"};
+    }
+    if (!(period.closure_residual <= kMaxClosure)) {
+      return {Reason::kResidualTooLarge,
+              "the holomorphic form closes only to " + shortestDouble(period.closure_residual) +
+                  " of a mean edge (allowed: " + shortestDouble(kMaxClosure) + ")",
+              "remesh the surface with fewer thin triangles"};
+    }
+    if (period.tau_error > kTellingTauError * period.tau.imag()) {
+      certificate.warnings.push_back("COARSE_MESH: tau is certain only to " +
+                                     shortestDouble(period.tau_error));
+    }
+    return {};
+  }
+
+  /// Counts folded faces of the layout and measures its dilatation. Returns the faces' canonical
+  /// areas.
+  std::vector<double> certifyLayout(const std::vector<std::complex<double>>& corners) {
+    const std::vector<double> areas = faceAreas(surface(), lengths_);
+    std::vector<double> canonical(mesh_.faceCount());
+    Index flipped = 0;
+    double largest = 1, weighted = 0, total = 0;
+    for (Index f = 0; f < mesh_.faceCount(); ++f) {
+      const std::complex<double> u = corners[3 * f + 1] - corners[3 * f];
+      const std::complex<double> w = corners[3 * f + 2] - corners[3 * f];
+      const double doubled = std::imag(std::conj(u) * w);
+      if (!(doubled > 0)) ++flipped;
+      canonical[f] = std::abs(doubled) / 2;
+      const double base = std::abs(u);
+      const double k = dilatation(
+          frameFromSides(lengths_[surface().edge(3 * f)], lengths_[surface().edge(3 * f + 1)],
+                         lengths_[surface().edge(3 * f + 2)], areas[f]),
+          {base, std::real(std::conj(u) * w) / base, std::abs(doubled) / base});
+      largest = std::max(largest, k);
+      weighted += areas[f] * k;
+      total += areas[f];
+    }
+    SignatureCertificate& certificate = signature_.certificate;
+    certificate.flipped_faces = flipped;
+    if (std::isfinite(largest)) {
+      certificate.max_dilatation = largest;
+      certificate.mean_dilatation = weighted / total;
+    }
+    if (flipped > 0) {
+      certificate.warnings.push_back("FOLDED_MAP: the flat layout folds " +
+                                     std::to_string(flipped) +
+                                     " faces; tau does not depend on it, the spectra do a little");
+    }
+    return canonical;
+  }
+
+  /// Log conformal factor and, if asked for, mean curvature, at the vertices, both for the surface
+  /// and the canonical domain scaled to area 4 pi. canonical: area of each face there.
+  Result<VertexFields> makeFields(const std::vector<double>& canonical) {
+    const Context::Stage stage(context_, "fields");
+    RETURN_IF_ERROR(context_.check());
+    const std::vector<double> areas = vertexAreas(surface(), lengths_);
+    std::vector<double> image(mesh_.vertexCount(), 0.0);
+    double total = 0, image_total = 0;
+    for (Index f = 0; f < mesh_.faceCount(); ++f) {
+      for (const Index v : surface().face(f)) image[v] += canonical[f] / 3;
+      image_total += canonical[f];
+    }
+    for (const double area : areas) total += area;
+
+    VertexFields fields;
+    std::vector<double> factor(mesh_.vertexCount(), 0.0);
+    for (Index v = 0; v < mesh_.vertexCount(); ++v) {
+      // A vertex whose faces shrink to nothing carries no weight, whatever stands here.
+      if (image[v] > 0)
+        factor[v] = 0.5 * (std::log(areas[v] / total) - std::log(image[v] / image_total));
+    }
+    fields.push_back(std::move(factor));
+    if (wants(Space::kShape)) {
+      std::vector<double> curvature = integratedMeanCurvature(mesh_);
+      const double scale = std::sqrt(total / (4 * std::numbers::pi));
+      for (Index v = 0; v < mesh_.vertexCount(); ++v) curvature[v] *= scale / areas[v];
+      fields.push_back(std::move(curvature));
+    }
+    return fields;
+  }
+
+  void keepSpectra(FieldSpectra spectra) {
+    metric_.conformal_factor_spectrum = std::move(spectra.first);
+    shape_.mean_curvature_spectrum = std::move(spectra.second);
+    shape_.cross_spectrum = std::move(spectra.cross);
+    if (wants(Space::kMetric)) signature_.metric = metric_;
+    if (wants(Space::kShape)) signature_.shape = shape_;
+  }
+
+  void fillVectors() {
+    SearchVectors& vectors = signature_.vectors;
+    const auto narrow = [](const auto& numbers) {
+      std::vector<float> result;
+      for (const double number : numbers) result.push_back(static_cast<float>(number));
+      return result;
+    };
+    if (wants(Space::kConformal)) {
+      // All spheres are one class; an index needs a coordinate all the same.
+      vectors.conformal = conformal_.type == ConformalType::kTorus
+                              ? narrow(modularFeatures(*conformal_.tau))
+                              : std::vector<float>{0.0F};
+    }
+    if (wants(Space::kMetric)) vectors.metric = narrow(metricAmplitudes(metric_));
+    if (wants(Space::kShape)) vectors.shape = narrow(shapeAmplitudes(metric_, shape_));
+  }
+
+  Context& context_;
+  const PreparedMesh& prepared_;
+  const TriangleMesh& mesh_;
+  const SignatureOptions& options_;
+  std::vector<double> lengths_;
+  ConformalBlock conformal_;
+  MetricBlock metric_;
+  ShapeBlock shape_;
+  Signature signature_;
+};
+
+}  // namespace
+
+Result<Signature> computeSignature(Context& context, const PreparedMesh& prepared,
+                                   const SignatureOptions& options) {
+  return SignatureBuilder(context, prepared, options).build();
+}
+
+}  // namespace moduli
