@@ -35,12 +35,19 @@ struct ServerOptions {
   std::string token_file;
 };
 
+/// $XDG_DATA_HOME/moduli, or ~/.local/share/moduli; "" where there is no home.
+std::string defaultDataFolder();
+
 /// The services, the catalogue and the computing threads behind them. Thread-safe.
 class Server {
  public:
   /// Opens the store, rebuilds the indexes and starts serving. Fails with kInvalidConfiguration,
   /// kPortTaken, and the store's reasons (kStoreLocked names the holder).
   static Result<std::unique_ptr<Server>> start(const ServerOptions& options);
+
+  /// Whether start could work as far as addresses, TLS files and tokens go; touches no store. Fails
+  /// with kInvalidConfiguration.
+  static Status check(const ServerOptions& options);
 
   virtual ~Server() = default;
 

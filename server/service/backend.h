@@ -44,7 +44,7 @@ struct Backend {
 
   const Limits limits;
   const AccessList access;
-  const std::unique_ptr<Store> store;
+  std::unique_ptr<Store> store;          ///< Closed when the last call has ended.
   std::unique_ptr<IndexKeeper> indexes;  ///< Null without a catalogue. Set before serving.
   bool log_calls = true;
   CallRegistry calls;

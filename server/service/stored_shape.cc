@@ -51,6 +51,12 @@ Result<StoredSignature> readStored(const ShapeRecord& record) {
   return StoredSignature{*std::move(signature), fromProto(message.prepare())};
 }
 
+Result<PrepareOptions> readPrepare(const ShapeRecord& record) {
+  v1::Shape message;
+  if (!message.ParseFromString(record.signature)) return corrupt(record);
+  return fromProto(message.prepare());
+}
+
 void fillRecord(const StoredSignature& stored, ShapeRecord& record) {
   const Signature& signature = stored.signature;
   v1::Shape message;

@@ -18,6 +18,10 @@ struct StoredSignature {
 /// Fails with kStoreCorrupt.
 Result<StoredSignature> readStored(const ShapeRecord& record);
 
+/// How the mesh of a stored shape was prepared, whatever version its signature is of. Fails with
+/// kStoreCorrupt.
+Result<PrepareOptions> readPrepare(const ShapeRecord& record);
+
 /// Fills signature, vectors, topology and descriptor_version of a record.
 void fillRecord(const StoredSignature& stored, ShapeRecord& record);
 
