@@ -1,0 +1,187 @@
+#include "client/cli/report.h"
+
+#include <vector>
+
+#include "client/cli/output.h"
+#include "client/cpp/client.h"
+
+namespace moduli::cli {
+namespace {
+
+// "  label      text".
+std::string line(const std::string& label, const std::string& text) {
+  constexpr std::size_t kLabelWidth = 13;
+  std::string padded = label;
+  if (padded.size() < kLabelWidth) padded.resize(kLabelWidth, ' ');
+  return "  " + padded + " " + text + "\n";
+}
+
+std::string surfaceWords(const v1::Topology& topology) {
+  std::string words = topology.has_genus() ? "genus " + std::to_string(topology.genus()) + ", "
+                                           : std::string("no genus, ");
+  words += topology.boundary_loops() == 0
+               ? "closed"
+               : counted(topology.boundary_loops(), "boundary loop", "boundary loops");
+  words += ", " + counted(topology.components(), "component", "components");
+  if (!topology.orientable()) words += ", not orientable";
+  return words;
+}
+
+std::string topologyLines(const v1::Topology& topology) {
+  return line("surface", surfaceWords(topology)) +
+         line("size", counted(topology.vertices(), "vertex", "vertices") + ", " +
+                          counted(topology.faces(), "face", "faces") + ", Euler characteristic " +
+                          std::to_string(topology.euler_characteristic())) +
+         line("area", brief(topology.area()));
+}
+
+// What helps against a defect.
+std::string remedy(v1::Defect::Kind kind) {
+  switch (kind) {
+    case v1::Defect::INCONSISTENT_ORIENTATION:
+    case v1::Defect::DEGENERATE_FACE:
+    case v1::Defect::DUPLICATE_FACE:
+    case v1::Defect::NON_MANIFOLD_VERTEX:
+    case v1::Defect::DUPLICATE_VERTEX:
+    case v1::Defect::ISOLATED_VERTEX:
+      return "--repair";
+    case v1::Defect::MULTIPLE_COMPONENTS:
+      return "--component largest";
+    case v1::Defect::ZERO_AREA_FACE:
+      return "none needed";
+    default:
+      return "mend the model where it was made";
+  }
+}
+
+std::string firstElements(const v1::Defect& defect) {
+  constexpr int kShown = 8;
+  std::string text;
+  for (int i = 0; i < defect.elements_size() && i < kShown; ++i) {
+    text += (i == 0 ? "" : " ") + std::to_string(defect.elements(i));
+  }
+  return defect.count() > kShown ? text + " ..." : text;
+}
+
+std::string spectrumText(const google::protobuf::RepeatedField<double>& spectrum) {
+  constexpr int kShown = 5;
+  std::string text;
+  for (int i = 0; i < spectrum.size() && i < kShown; ++i) {
+    text += (i == 0 ? "" : "  ") + brief(spectrum.Get(i));
+  }
+  return spectrum.size() > kShown ? text + "  ... (" + std::to_string(spectrum.size()) + ")" : text;
+}
+
+std::string conformalLines(const v1::ConformalBlock& block) {
+  std::string text = line("type", v1::ConformalBlock::Type_Name(block.type()));
+  if (block.has_tau()) {
+    const double im = block.tau().im();
+    std::string tau =
+        brief(block.tau().re()) + (im < 0 ? " - " : " + ") + brief(im < 0 ? -im : im) + " i";
+    if (block.has_tau_error()) tau += "   (error at most " + brief(block.tau_error()) + ")";
+    text += line("tau", tau);
+  }
+  return text;
+}
+
+std::string certificateLines(const v1::SignatureCertificate& certificate) {
+  std::vector<std::string> parts;
+  if (certificate.has_flipped_faces()) {
+    parts.push_back(counted(certificate.flipped_faces(), "flipped face", "flipped faces"));
+  }
+  if (certificate.has_mean_dilatation()) {
+    parts.push_back("dilatation " + brief(certificate.mean_dilatation()) + " on average");
+  }
+  if (certificate.has_max_dilatation()) {
+    parts.push_back(brief(certificate.max_dilatation()) + " at most");
+  }
+  if (certificate.has_riemann_bilinear_residual()) {
+    parts.push_back("bilinear residual " + brief(certificate.riemann_bilinear_residual()));
+  }
+  if (certificate.has_layout_closure()) {
+    parts.push_back("layout closes to " + brief(certificate.layout_closure()));
+  }
+  if (certificate.has_mollification() && certificate.mollification() > 0) {
+    parts.push_back("edges lengthened by " + brief(certificate.mollification()) + " of their mean");
+  }
+  std::string joined;
+  for (const std::string& part : parts) joined += (joined.empty() ? "" : ", ") + part;
+  std::string text = joined.empty() ? "" : line("quality", joined);
+  for (const std::string& warning : certificate.warnings()) text += line("warning", safe(warning));
+  return text;
+}
+
+}  // namespace
+
+std::string inspectionReport(const std::string& title, const v1::Inspection& inspection) {
+  std::string text = safe(title) + ": " +
+                     (inspection.valid() ? "valid" : "not valid: nothing is computed from it") +
+                     "\n" + topologyLines(inspection.topology());
+  for (const v1::Defect& defect : inspection.defects()) {
+    text += line(defect.severity() == v1::Defect::BLOCKING ? "defect" : "warning",
+                 v1::Defect::Kind_Name(defect.kind()) + ": " + safe(defect.message()));
+    if (defect.elements_size() > 0) {
+      text += line("", "elements " + firstElements(defect));
+    }
+    text += line("", "remedy: " + remedy(defect.kind()));
+  }
+  for (const v1::RepairAction& action : inspection.repair()) {
+    text += line("--repair",
+                 "would " + safe(action.action()) + " (" + std::to_string(action.count()) + ")");
+  }
+  return text;
+}
+
+std::string signatureReport(const std::string& title, const v1::Signature& signature) {
+  std::string text = title.empty() ? "" : safe(title) + "\n";
+  text += topologyLines(signature.topology());
+  if (signature.has_conformal()) text += conformalLines(signature.conformal());
+  if (signature.metric().conformal_factor_spectrum_size() > 0) {
+    text += line("factor", spectrumText(signature.metric().conformal_factor_spectrum()));
+  }
+  if (signature.shape().mean_curvature_spectrum_size() > 0) {
+    text += line("curvature", spectrumText(signature.shape().mean_curvature_spectrum()));
+    text += line("cross", spectrumText(signature.shape().cross_spectrum()));
+  }
+  text += certificateLines(signature.certificate());
+  double seconds = 0;
+  for (const auto& [stage, time] : signature.timing()) seconds += time;
+  if (seconds > 0) text += line("time", brief(seconds) + " s");
+  return text;
+}
+
+std::string distancesReport(const v1::SignatureDistances& distances) {
+  const auto number = [](bool has, double value) {
+    return has ? brief(value) : std::string("not defined");
+  };
+  return line("conformal", number(distances.has_conformal(), distances.conformal())) +
+         line("metric", number(distances.has_metric(), distances.metric())) +
+         line("shape", number(distances.has_shape(), distances.shape()));
+}
+
+std::string shapeReport(const v1::Shape& shape) {
+  std::string text = safe(idOf(shape.name())) + "\n";
+  if (!shape.label().empty()) text += line("label", safe(shape.label()));
+  for (const auto& [key, value] : shape.tags()) {
+    text += line("tag", safe(key) + " = " + safe(value));
+  }
+  text +=
+      line("file", safe(shape.file_name()) + ", " + v1::MeshSource::Format_Name(shape.format()) +
+                       ", " + brief(shape.mesh_bytes()) + " bytes");
+  text += line("digest", safe(shape.digest()));
+  return text + signatureReport("", shape.signature());
+}
+
+std::string searchReport(const v1::SearchResult& result) {
+  if (result.hits().empty()) return "nothing found\n";
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::SearchHit& hit : result.hits()) {
+    rows.push_back({std::to_string(rows.size() + 1), brief(hit.distance()), safe(hit.name()),
+                    safe(hit.label())});
+  }
+  std::string text = alignedTable({"#", "distance", "name", "label"}, rows);
+  if (!result.exact()) text += "approximate: a nearer shape may have been missed\n";
+  return text;
+}
+
+}  // namespace moduli::cli

@@ -1,0 +1,77 @@
+#include "client/cli/command.h"
+#include "client/cli/mesh_argument.h"
+#include "client/cli/prepare_arguments.h"
+#include "client/cli/report.h"
+#include "client/cli/session.h"
+
+/// search.
+namespace moduli::cli {
+namespace {
+
+constexpr int kDefaultHits = 10;
+
+Status runSearch(Session& session, const Arguments& arguments) {
+  const std::string collection = arguments.text("collection");
+  v1::SearchShapesRequest request;
+  request.set_parent(collectionName(collection));
+  request.set_k(arguments.integer("k", kDefaultHits));
+  request.set_space(spaceOf(arguments));
+  request.set_filter(arguments.text("filter"));
+  *request.mutable_prepare() = prepareOf(arguments);
+
+  std::string what = arguments.text("id", arguments.text("MESH"));
+  std::optional<MeshArgument> mesh;
+  if (arguments.has("MESH")) {
+    ASSIGN_OR_RETURN(mesh, MeshArgument::open(session, what, arguments.text("format")));
+    what = mesh->name();
+  }
+  ASSIGN_OR_RETURN(Client* const client, session.client(StoreNeed::kExisting));
+  if (!mesh) {
+    request.set_shape(shapeName(collection, what));
+  } else if (mesh->stored()) {
+    request.set_shape(mesh->resource());
+  } else {
+    Result<v1::MeshSource> source = mesh->source(*client);
+    if (!source.ok()) return session.explain(what, source.status());
+    *request.mutable_source() = *std::move(source);
+  }
+  const Result<v1::SearchResult> result = client->search(request);
+  if (!result.ok()) return session.explain(what, result.status());
+  if (session.json()) return session.printJson(*result);
+  return session.quiet() ? Status() : session.print(searchReport(*result));
+}
+
+std::optional<std::string> checkSearch(const Arguments& arguments) {
+  if (arguments.has("MESH") != arguments.has("id")) return std::nullopt;
+  return "what to search for is either MESH or --id ID";
+}
+
+}  // namespace
+
+std::vector<CommandSpec> searchCommands() {
+  std::vector<OptionSpec> options = {
+      collectionOption(),
+      {.names = "--id", .value = "ID", .help = "Search for a shape of this collection"},
+      {.names = "-k", .value = "N", .help = "Number of hits (10)", .check = isPositiveInteger},
+      spaceOption("What counts as near (shape)"),
+      {.names = "--filter",
+       .value = "EXPR",
+       .help = "Only shapes for which this holds, as in 'genus >= 1 AND label = \"cup\"'"}};
+  for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
+  options.push_back(formatOption());
+  return {{.path = "search",
+           .summary = "Find the stored shapes nearest to a surface",
+           .details = "Ranks the shapes of a collection by their distance from a surface: a mesh "
+                      "that is signed first, or a shape that is stored. A stored shape finds "
+                      "itself first.",
+           .arguments = {{.name = "MESH",
+                          .help = "A file, '-' for standard input, or COLLECTION/SHAPE",
+                          .min = 0}},
+           .options = options,
+           .check = checkSearch,
+           .run = runSearch,
+           .examples = "moduli search -c demo bunny.obj -k 5\nmoduli search -c demo --id kitten "
+                       "--space conformal"}};
+}
+
+}  // namespace moduli::cli
