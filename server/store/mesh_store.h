@@ -4,7 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -13,11 +16,17 @@
 
 namespace moduli {
 
-class MeshStore;
+/// What pins, readers and the mesh store share. Its mutex also keeps pinning and collecting apart.
+struct MeshPinCounts {
+  std::mutex mutex;
+  std::map<std::string, int, std::less<>> count;  ///< Pins of each digest.
+  std::set<std::string, std::less<>> damaged;     ///< Files that a reader has found wrong.
+};
 
 /// Keeps one mesh file from being collected as garbage while it lives. Movable.
 class MeshPin {
  public:
+  MeshPin(std::shared_ptr<MeshPinCounts> counts, std::string_view digest, std::int64_t size);
   MeshPin() = default;
   MeshPin(MeshPin&& other) noexcept;
   MeshPin& operator=(MeshPin&& other) noexcept;
@@ -28,12 +37,9 @@ class MeshPin {
   std::int64_t size() const { return size_; }
 
  private:
-  friend class MeshStore;
-  struct Pins;
-  MeshPin(std::shared_ptr<Pins> pins, std::string digest, std::int64_t size);
   void release();
 
-  std::shared_ptr<Pins> pins_;
+  std::shared_ptr<MeshPinCounts> counts_;
   std::string digest_;
   std::int64_t size_ = 0;
 };
@@ -79,13 +85,15 @@ class MeshStore {
   virtual Result<MeshPin> put(std::string_view bytes) = 0;
 
   /// The same for bytes that need not fit into memory. `digest` and `size` are what the sender
-  /// claims; fails with kUploadDigestMismatch, storing nothing, where they are not true.
+  /// claims; fails with kUploadDigestMismatch, storing nothing, where they are not true. The source
+  /// is not looked at if the file is there already.
   virtual Result<MeshPin> put(std::string_view digest, std::int64_t size,
                               const ByteSource& source) = 0;
 
   /// A pin of a stored file. Its time to live starts anew. Fails with kUploadNotFound.
   virtual Result<MeshPin> pin(std::string_view digest) = 0;
 
+  /// Whether the file is there and nobody has found it damaged.
   virtual bool contains(std::string_view digest) const = 0;
 
   /// The whole file. Fails with kUploadNotFound, kStoreCorrupt.
