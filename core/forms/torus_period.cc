@@ -30,16 +30,20 @@ Result<CochainPair> symplecticCochains(const Connectivity& surface) {
   return basis;
 }
 
+double determinant(const Eigen::MatrixXd& energy) {
+  return energy(0, 0) * energy(1, 1) - energy(0, 1) * energy(0, 1);
+}
+
 /// The symplectic projection of the energy of a basis, read as a point of the upper half plane.
 Result<Complex> projectedTau(const Eigen::MatrixXd& energy) {
-  const double determinant = energy(0, 0) * energy(1, 1) - energy(0, 1) * energy(0, 1);
-  if (!(determinant > 0) || !std::isfinite(determinant)) {
+  const double square = determinant(energy);
+  if (!(square > 0) || !std::isfinite(square)) {
     return Status{Reason::kResidualTooLarge,
                   "rounding has drowned the energy of the harmonic forms: its determinant is not "
                   "positive",
                   "the triangles or the torus are too thin for double precision"};
   }
-  return Complex(-energy(0, 1), std::sqrt(determinant)) / energy(1, 1);
+  return Complex(-energy(0, 1), std::sqrt(square)) / energy(1, 1);
 }
 
 struct ReducedBasis {
@@ -82,9 +86,7 @@ Result<ReducedBasis> reduceBasis(const Connectivity& surface, const std::vector<
 /// point by 4 r and d by a factor within 1 +- 8 r. A disk of hyperbolic radius rho reaches
 /// Im(tau) (e^rho - 1) far.
 double certifiedError(const EnergyForm& form, Complex tau) {
-  const double determinant =
-      form.energy(0, 0) * form.energy(1, 1) - form.energy(0, 1) * form.energy(0, 1);
-  const double gap = std::max(0.0, determinant - 1) + 8 * form.rounding;
+  const double gap = std::max(0.0, determinant(form.energy) - 1) + 8 * form.rounding;
   const double radius = std::log1p(gap) / 2 + 4 * form.rounding;
   return tau.imag() * std::expm1(radius);
 }
@@ -154,7 +156,7 @@ Result<TorusPeriod> computeTorusPeriod(Context& context, const Connectivity& sur
   period.tau = basis.tau;
   period.tau_error = certifiedError(basis.energy, basis.tau);
   period.energy = basis.energy.energy;
-  period.determinant_gap = std::max(0.0, period.energy.determinant() - 1);
+  period.determinant_gap = std::max(0.0, determinant(period.energy) - 1);
   period.holomorphic = holomorphicForm(surface, basis.forms, basis.tau);
   period.riemann_residual =
       std::abs(halfEnergy(surface, lengths, period.holomorphic) / basis.tau.imag() - 1);

@@ -239,12 +239,19 @@ MetricSurface subdivide(const MetricSurface& coarse, int n) {
                        std::move(g.twin), g.length);
 }
 
-MetricSurface insertVertices(const MetricSurface& coarse, int count, double margin, unsigned seed) {
-  std::mt19937 random(seed);
+namespace {
+
+using Weights = std::array<double, 3>;
+
+/// Puts vertices into the faces that `pick` names, at the barycentric coordinates that `choose`
+/// draws. Each time the face keeps its number and two more are added.
+template <typename Pick, typename Choose>
+MetricSurface insertAt(const MetricSurface& coarse, int count, const Pick& pick,
+                       const Choose& choose) {
   Gluing g = unglue(coarse);
   Index vertices = coarse.surface.vertexCount();
   for (int step = 0; step < count; ++step) {
-    const auto f = static_cast<Index>(random() % g.faces.size());
+    const Index f = pick(step, static_cast<Index>(g.faces.size()));
     const double a = g.length[3 * f];
     const double b = g.length[3 * f + 1];
     const double c = g.length[3 * f + 2];
@@ -253,11 +260,7 @@ MetricSurface insertVertices(const MetricSurface& coarse, int count, double marg
       return std::complex<double>(x, std::sqrt(std::max(0.0, c * c - x * x)));
     }();
     const std::array<std::complex<double>, 3> corner{0.0, a, apex_of};
-    const double r = std::sqrt(uniform(random));
-    const double t = uniform(random);
-    const double free = 1 - 3 * margin;
-    const std::array<double, 3> weight{margin + free * (1 - r), margin + free * r * (1 - t),
-                                       margin + free * r * t};
+    const Weights weight = choose();
     const std::complex<double> place =
         weight[0] * corner[0] + weight[1] * corner[1] + weight[2] * corner[2];
     const std::array<double, 3> to{std::abs(place - corner[0]), std::abs(place - corner[1]),
@@ -289,6 +292,90 @@ MetricSurface insertVertices(const MetricSurface& coarse, int count, double marg
     ++vertices;
   }
   return fromHalfedges(vertices, std::move(g.faces), std::move(g.twin), g.length);
+}
+
+}  // namespace
+
+MetricSurface insertVertices(const MetricSurface& coarse, int count, double margin, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto pick = [&](int, Index faces) { return static_cast<Index>(random() % faces); };
+  return insertAt(coarse, count, pick, [&] {
+    const double r = std::sqrt(uniform(random));
+    const double t = uniform(random);
+    const double free = 1 - 3 * margin;
+    return Weights{margin + free * (1 - r), margin + free * r * (1 - t), margin + free * r * t};
+  });
+}
+
+MetricSurface insertNearEdges(const MetricSurface& coarse, double height, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto pick = [](int step, Index) { return static_cast<Index>(step); };
+  return insertAt(coarse, coarse.surface.faceCount(), pick, [&] {
+    const double t = 0.2 + 0.6 * uniform(random);
+    return Weights{(1 - height) * (1 - t), (1 - height) * t, height};
+  });
+}
+
+MetricSurface insertNearCorners(const MetricSurface& coarse, double distance, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto pick = [](int step, Index) { return static_cast<Index>(step); };
+  return insertAt(coarse, coarse.surface.faceCount(), pick, [&] {
+    const double t = 0.2 + 0.6 * uniform(random);
+    return Weights{1 - distance, distance * (1 - t), distance * t};
+  });
+}
+
+MetricSurface flipEdges(const MetricSurface& given, int count, unsigned seed) {
+  std::mt19937 random(seed);
+  Gluing g = unglue(given);
+  for (int step = 0; step < count; ++step) {
+    // h = a -> b of face abc and its twin of face bad become the diagonal of adbc between d and c.
+    const auto h = static_cast<Index>(random() % g.twin.size());
+    const Index t = g.twin[h];
+    if (t == kNone || t / 3 == h / 3) continue;
+    const Index bc = Connectivity::next(h);
+    const Index ca = Connectivity::previous(h);
+    const Index ad = Connectivity::next(t);
+    const Index db = Connectivity::previous(t);
+    const double base = g.length[h];
+    const auto apex = [&](double left, double right) {
+      const double x = (base * base + left * left - right * right) / (2 * base);
+      return std::complex<double>(x, std::sqrt(std::max(0.0, left * left - x * x)));
+    };
+    const std::complex<double> c = apex(g.length[ca], g.length[bc]);
+    const std::complex<double> d = std::conj(apex(g.length[ad], g.length[db]));
+    const std::complex<double> diagonal = c - d;
+    const double spare = 0.05 * base * std::abs(diagonal);
+    if ((std::conj(diagonal) * -d).imag() < spare) continue;
+    if ((std::conj(diagonal) * (base - d)).imag() > -spare) continue;
+
+    const Index f = h / 3;
+    const Index k = t / 3;
+    const auto corner = [&](Index e) { return g.faces[e / 3][e % 3]; };
+    const Triangle first{corner(h), corner(db), corner(ca)};
+    const Triangle second{corner(db), corner(t), corner(ca)};
+    const std::array<Index, 4> old{ad, ca, db, bc};
+    const std::array<Index, 4> place{3 * f, 3 * f + 2, 3 * k, 3 * k + 1};
+    std::array<Index, 4> outside{};
+    std::array<double, 4> length{};
+    for (int i = 0; i < 4; ++i) {
+      outside[i] = g.twin[old[i]];
+      length[i] = g.length[old[i]];
+      for (int j = 0; j < 4; ++j) {
+        if (g.twin[old[i]] == old[j]) outside[i] = place[j];
+      }
+    }
+    g.faces[f] = first;
+    g.faces[k] = second;
+    for (int i = 0; i < 4; ++i) {
+      g.glue(place[i], outside[i]);
+      g.length[place[i]] = length[i];
+    }
+    g.glue(3 * f + 1, 3 * k + 2);
+    g.length[3 * f + 1] = g.length[3 * k + 2] = std::abs(diagonal);
+  }
+  return fromHalfedges(given.surface.vertexCount(), std::move(g.faces), std::move(g.twin),
+                       g.length);
 }
 
 MetricSurface renumber(const MetricSurface& given, unsigned seed) {

@@ -48,9 +48,19 @@ MetricSurface disphenoidCover(double a, double b, double c);
 /// Every face cut into n^2 similar ones: another triangulation of the same metric.
 MetricSurface subdivide(const MetricSurface& coarse, int n);
 
+/// `count` random edges tried: where the two triangles beside one make a convex quadrilateral with
+/// room to spare, its other diagonal takes the edge's place. Another triangulation of the metric.
+MetricSurface flipEdges(const MetricSurface& given, int count, unsigned seed);
+
 /// `count` vertices put one after the other into random faces at random places, no nearer to an
-/// edge than `margin` in barycentric coordinates: the same metric again.
+/// edge than `margin` in barycentric coordinates: the same metric again, and, as harmonic functions
+/// are linear across a flat face, the same harmonic forms.
 MetricSurface insertVertices(const MetricSurface& coarse, int count, double margin, unsigned seed);
+
+/// One vertex put into every face, at `height` above a side: caps. Or at `distance` from a corner:
+/// needles. Both in barycentric coordinates.
+MetricSurface insertNearEdges(const MetricSurface& coarse, double height, unsigned seed);
+MetricSurface insertNearCorners(const MetricSurface& coarse, double distance, unsigned seed);
 
 /// Vertices, faces and corners renumbered at random.
 MetricSurface renumber(const MetricSurface& given, unsigned seed);
