@@ -17,12 +17,30 @@ constexpr double kThinnest = 1e6;
 // A fold by 180 degrees at an edge costs as much as this many squares over the edge, twice.
 constexpr double kBendWeight = 8;
 
+// Moved to the first point and scaled by a power of two, so that fourth powers of lengths stay
+// within the range of doubles and nothing but the move is rounded.
+std::vector<Eigen::Vector3d> inUnitBox(std::vector<Eigen::Vector3d> points) {
+  const Eigen::Vector3d origin = points[0];
+  double size = 0;
+  for (Eigen::Vector3d& p : points) {
+    p -= origin;
+    size = std::max(size, p.lpNorm<Eigen::Infinity>());
+  }
+  int exponent = 0;
+  std::frexp(size, &exponent);
+  for (Eigen::Vector3d& p : points) {
+    for (double& x : p) x = std::ldexp(x, -exponent);
+  }
+  return points;
+}
+
 class LoopFiller {
  public:
   LoopFiller(const SpaceLoop& loop, const std::function<bool(Index, Index)>& blocked)
       : loop_(loop),
         blocked_(blocked),
         n_(static_cast<Index>(loop.points.size())),
+        points_(inUnitBox(loop.points)),
         best_(static_cast<std::size_t>(n_) * n_) {}
 
   Result<std::optional<std::vector<Triangle>>> run(Context& context) {
@@ -91,11 +109,12 @@ class LoopFiller {
     return triangles;
   }
 
-  const Eigen::Vector3d& point(Index i) const { return loop_.points[i]; }
+  const Eigen::Vector3d& point(Index i) const { return points_[i]; }
 
   const SpaceLoop& loop_;
   const std::function<bool(Index, Index)>& blocked_;
   const Index n_;
+  const std::vector<Eigen::Vector3d> points_;
   std::vector<Filling> best_;
 };
 
