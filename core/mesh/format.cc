@@ -16,9 +16,10 @@ char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-// Text has no control characters but spaces; the first few hundred bytes tell.
+constexpr std::size_t kSample = 1024;  // Bytes that tell text from binary.
+
+// Text has no control characters but spaces.
 bool looksLikeText(std::string_view bytes) {
-  constexpr std::size_t kSample = 1024;
   return std::ranges::all_of(bytes.substr(0, kSample), [](char c) {
     const auto byte = static_cast<unsigned char>(c);
     return (byte >= 0x20 && byte != 0x7F) || isSpace(c);
@@ -36,7 +37,8 @@ std::optional<MeshFormat> formatFromContent(std::string_view bytes) {
   if (word == "ply" && at_start) return MeshFormat::kPly;
   if (parseOffHeader(word)) return MeshFormat::kOff;
   if (looksLikeAsciiStl(bytes)) return MeshFormat::kStl;
-  if (isObjKeyword(word) && looksLikeText(bytes)) return MeshFormat::kObj;
+  const bool zeros = bytes.substr(0, kSample).find('\0') != std::string_view::npos;
+  if (isObjKeyword(word) && !zeros) return MeshFormat::kObj;
   return std::nullopt;
 }
 

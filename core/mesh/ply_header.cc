@@ -89,11 +89,12 @@ Result<PlyHeader> HeaderReader::read() {
     in_.skipBlanks();
     const char* start = in_.at();
     const std::string_view keyword = in_.word();
+    header_.end_place = start;
     if (keyword == "end_header") break;
     RETURN_IF_ERROR(line(keyword, start));
   }
   if (!encoding_) {
-    return in_.textError(Reason::kSyntaxError, in_.at(), "the header has no line 'format'",
+    return in_.textError(Reason::kSyntaxError, header_.end_place, "the header has no line 'format'",
                          "add 'format ascii 1.0', or export the file again");
   }
   in_.skipBlanks();

@@ -53,6 +53,7 @@ struct PlyElement {
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kText;
   std::vector<PlyElement> elements;
+  const char* end_place = nullptr;  ///< Where "end_header" stands.
 };
 
 /// Reads the header and leaves the scanner at the first byte of the data. Names are views of the

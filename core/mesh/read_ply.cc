@@ -145,7 +145,8 @@ Status PlyReader::checkVertexElement() {
   constexpr std::string_view kHint = "export the mesh with 'element vertex' and x, y, z";
   const PlyElement* element = findElement("vertex");
   if (element == nullptr) {
-    return in_.textError(Reason::kSyntaxError, in_.at(), "the header declares no vertices", kHint);
+    return in_.textError(Reason::kSyntaxError, header_.end_place, "the header declares no vertices",
+                         kHint);
   }
   constexpr std::string_view kNames[] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i) {
@@ -167,7 +168,7 @@ Status PlyReader::checkFaceElement() {
                          "convert the mesh to plain faces, for instance in MeshLab");
   }
   if (element == nullptr || element->count == 0) {
-    return in_.textError(Reason::kEmpty, element == nullptr ? in_.at() : element->place,
+    return in_.textError(Reason::kEmpty, element == nullptr ? header_.end_place : element->place,
                          "the file has no faces", kNoFacesHint);
   }
   corners_ = element->find("vertex_indices");

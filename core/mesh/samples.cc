@@ -144,8 +144,9 @@ Result<SampleValues> valuesOf(const SampleKind& kind,
   const auto seed = values.find("seed");
   if (seed != values.end() && (!(seed->second >= 0 && seed->second <= 0x1p53) ||
                                seed->second != std::floor(seed->second))) {
-    return sampleError("seed is " + shortestDouble(seed->second) +
-                       ", but must be a whole number from 0 to 2^53");
+    return sampleError(
+        "seed is " + shortestDouble(seed->second) + ", but must be a whole number from 0 to 2^53",
+        "0 is for the regular triangulation");
   }
   return SampleValues(std::move(values));
 }

@@ -12,7 +12,8 @@ void Scanner::skipByteOrderMark() {
 bool Scanner::skipNumber() {
   constexpr std::string_view kFirst = "0123456789+-.nNiI";
   if (at_ == end_ || kFirst.find(*at_) == std::string_view::npos) return false;
-  while (!endsToken(at_)) ++at_;
+  // One runtime library writes "1.#QNAN": that '#' begins no comment.
+  while (!endsToken(at_) || (at_ != end_ && *at_ == '#' && at_[-1] == '.')) ++at_;
   return true;
 }
 

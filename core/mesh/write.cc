@@ -152,7 +152,12 @@ Result<std::string> writeBinaryStl(const TriangleSoup& soup) {
     }
   };
   for (const Triangle& t : soup.faces) {
-    const auto corners = cornersOf(soup, t);
+    // The normal of what is written, so that reading and writing again changes nothing.
+    auto corners = cornersOf(soup, t);
+    for (Eigen::Vector3d& p : corners) {
+      // Not cast<float>().cast<double>(): GCC 12 vectorizes that pair to nothing.
+      for (double& x : p) x = static_cast<float>(x);
+    }
     write(unitNormal(corners));
     for (const Eigen::Vector3d& p : corners) write(p);
     out.littleEndian(std::uint16_t{0});
