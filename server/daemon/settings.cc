@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<std::string_view, 4> kLevels = {"debug", "info", "warning", "error"};
 
 Status wrongValue(std::string_view text, const std::string& wanted) {
-  return {Reason::kInvalidConfiguration, "\"" + std::string(text) + "\" is not " + wanted};
+  return {Reason::kInvalidConfiguration, std::string(text) + " is not " + wanted};
 }
 
 std::string quoted(const std::string& text) {

@@ -23,7 +23,7 @@ bool Endpoint::isLoopback() const {
 
 Result<Endpoint> parseEndpoint(std::string_view text) {
   const Status wrong(Reason::kInvalidConfiguration,
-                     "\"" + std::string(text) + "\" is not an address to listen on",
+                     std::string(text) + " is not an address to listen on",
                      "give HOST:PORT, such as 127.0.0.1:7447 or [::1]:7447");
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos) return wrong;
