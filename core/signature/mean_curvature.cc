@@ -71,7 +71,7 @@ void borrowNormals(const TriangleMesh& mesh, std::vector<Eigen::Vector3d>& norma
 double dihedralAngle(const Eigen::Vector3d& edge, const Eigen::Vector3d& left,
                      const Eigen::Vector3d& right) {
   if (left.isZero(0) || right.isZero(0)) return 0;
-  const double sine = edge.stableNormalized().dot(right.cross(left));
+  const double sine = edge.stableNormalized().dot(left.cross(right));
   const double cosine = left.dot(right);
   if (cosine < 0 && std::abs(sine) < kFlatSine) return std::numbers::pi;
   return std::atan2(sine, cosine);

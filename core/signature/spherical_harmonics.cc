@@ -33,7 +33,7 @@ void SphericalHarmonics::project(const Eigen::Ref<const Eigen::MatrixX3d>& point
   Eigen::ArrayXd cosine = Eigen::ArrayXd::Ones(n);  // sin^m cos(m phi)
   Eigen::ArrayXd sine = Eigen::ArrayXd::Zero(n);
   Eigen::MatrixXd legendre(n, degree_ + 1);
-  Eigen::MatrixXd waves(n, 2 * fields);
+  Eigen::MatrixX2d waves(n, 2);
   for (int m = 0; m <= degree_; ++m) {
     if (m > 0) {
       const Eigen::ArrayXd turned = cosine * points.col(0).array() - sine * points.col(1).array();
@@ -46,12 +46,15 @@ void SphericalHarmonics::project(const Eigen::Ref<const Eigen::MatrixX3d>& point
       legendre.col(l).array() =
           rise_(l, m) * z * legendre.col(l - 1).array() - drop_(l, m) * legendre.col(l - 2).array();
     }
-    waves.leftCols(fields) = values.array().colwise() * cosine;
-    waves.rightCols(fields) = values.array().colwise() * sine;
-    const Eigen::MatrixXd sums = legendre.rightCols(degree_ + 1 - m).transpose() * waves;
-    for (int l = m; l <= degree_; ++l) {
-      coefficients.row(index(l, m)) += sums.row(l - m).head(fields);
-      if (m > 0) coefficients.row(index(l, -m)) += sums.row(l - m).tail(fields);
+    // One field at a time: its coefficients do not depend, to the last bit, on who else is there.
+    for (Eigen::Index k = 0; k < fields; ++k) {
+      waves.col(0) = values.col(k).array() * cosine;
+      waves.col(1) = values.col(k).array() * sine;
+      const Eigen::MatrixX2d sums = legendre.rightCols(degree_ + 1 - m).transpose() * waves;
+      for (int l = m; l <= degree_; ++l) {
+        coefficients(index(l, m), k) += sums(l - m, 0);
+        if (m > 0) coefficients(index(l, -m), k) += sums(l - m, 1);
+      }
     }
   }
 }

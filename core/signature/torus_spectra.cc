@@ -96,7 +96,10 @@ class WaveTransform {
         wave.col(2 * j) = cosine * step_cosine - sine * step_sine;
         wave.col(2 * j + 1) = cosine * step_sine + sine * step_cosine;
       }
-      sums.middleRows(at, 2 * count).noalias() += wave.transpose() * values;
+      // One field at a time: its sums do not depend, to the last bit, on who else is there.
+      for (Eigen::Index k = 0; k < fields; ++k) {
+        sums.col(k).segment(at, 2 * count).noalias() += wave.transpose() * values.col(k);
+      }
       at += 2 * count;
     }
   }
