@@ -1,5 +1,6 @@
 #include "core/signature/spherical_harmonics.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -27,33 +28,51 @@ SphericalHarmonics::SphericalHarmonics(int degree)
 void SphericalHarmonics::project(const Eigen::Ref<const Eigen::MatrixX3d>& points,
                                  const Eigen::Ref<const Eigen::MatrixXd>& values,
                                  Eigen::Ref<Eigen::MatrixXd> coefficients) const {
-  const Eigen::Index n = points.rows();
-  const Eigen::Index fields = values.cols();
-  const Eigen::ArrayXd z = points.col(2);
-  Eigen::ArrayXd cosine = Eigen::ArrayXd::Ones(n);  // sin^m cos(m phi)
-  Eigen::ArrayXd sine = Eigen::ArrayXd::Zero(n);
-  Eigen::MatrixXd legendre(n, degree_ + 1);
-  Eigen::MatrixX2d waves(n, 2);
+  for (Eigen::Index begin = 0; begin < points.rows(); begin += kBatch) {
+    const Eigen::Index n = std::min<Eigen::Index>(kBatch, points.rows() - begin);
+    // A short last batch is filled up with points that carry nothing.
+    std::array<Batch, 3> point;
+    for (int k = 0; k < 3; ++k) {
+      point[k].setZero();
+      point[k].head(n) = points.col(k).segment(begin, n).array();
+    }
+    std::vector<Wave> waves(values.cols());
+    for (Eigen::Index k = 0; k < values.cols(); ++k) {
+      waves[k].cosine.setZero();
+      waves[k].cosine.head(n) = values.col(k).segment(begin, n).array();
+      waves[k].sine.setZero();
+    }
+    projectBatch(point, waves, coefficients);
+  }
+}
+
+// The sums of a field do not depend, to the last bit, on what other fields are there.
+void SphericalHarmonics::projectBatch(const std::array<Batch, 3>& point, std::vector<Wave>& waves,
+                                      Eigen::Ref<Eigen::MatrixXd> coefficients) const {
+  const auto& [x, y, z] = point;
   for (int m = 0; m <= degree_; ++m) {
     if (m > 0) {
-      const Eigen::ArrayXd turned = cosine * points.col(0).array() - sine * points.col(1).array();
-      sine = cosine * points.col(1).array() + sine * points.col(0).array();
-      cosine = turned;
+      for (Wave& wave : waves) {
+        const Batch turned = wave.cosine * x - wave.sine * y;
+        wave.sine = wave.cosine * y + wave.sine * x;
+        wave.cosine = turned;
+      }
     }
-    legendre.col(m).setConstant(start_[m]);
-    if (m < degree_) legendre.col(m + 1).array() = rise_(m + 1, m) * start_[m] * z;
-    for (int l = m + 2; l <= degree_; ++l) {
-      legendre.col(l).array() =
-          rise_(l, m) * z * legendre.col(l - 1).array() - drop_(l, m) * legendre.col(l - 2).array();
-    }
-    // One field at a time: its coefficients do not depend, to the last bit, on who else is there.
-    for (Eigen::Index k = 0; k < fields; ++k) {
-      waves.col(0) = values.col(k).array() * cosine;
-      waves.col(1) = values.col(k).array() * sine;
-      const Eigen::MatrixX2d sums = legendre.rightCols(degree_ + 1 - m).transpose() * waves;
-      for (int l = m; l <= degree_; ++l) {
-        coefficients(index(l, m), k) += sums(l - m, 0);
-        if (m > 0) coefficients(index(l, -m), k) += sums(l - m, 1);
+    Batch before = Batch::Zero();
+    Batch legendre = Batch::Constant(start_[m]);
+    for (int l = m; l <= degree_; ++l) {
+      if (l > m) {
+        const double rise = rise_(l, m);
+        const double drop = drop_(l, m);
+        before = rise * (z * legendre) - drop * before;
+        before.swap(legendre);
+      }
+      for (std::size_t k = 0; k < waves.size(); ++k) {
+        const auto column = static_cast<Eigen::Index>(k);
+        coefficients(index(l, m), column) += legendre.matrix().dot(waves[k].cosine.matrix());
+        if (m > 0) {
+          coefficients(index(l, -m), column) += legendre.matrix().dot(waves[k].sine.matrix());
+        }
       }
     }
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 namespace moduli {
@@ -28,6 +29,16 @@ class SphericalHarmonics {
   Eigen::VectorXd evaluate(const Eigen::Vector3d& point) const;
 
  private:
+  static constexpr int kBatch = 64;
+  using Batch = Eigen::Array<double, kBatch, 1>;
+
+  /// Values times (sin theta)^m cos(m phi) and sin(m phi).
+  struct Wave {
+    Batch cosine, sine;
+  };
+  void projectBatch(const std::array<Batch, 3>& point, std::vector<Wave>& waves,
+                    Eigen::Ref<Eigen::MatrixXd> coefficients) const;
+
   int degree_;
   std::vector<double> start_;    ///< P_mm / (sin theta)^m, with the sqrt(2) of m > 0.
   Eigen::MatrixXd rise_, drop_;  ///< P_l = rise(l, m) z P_{l-1} - drop(l, m) P_{l-2}.

@@ -169,11 +169,12 @@ Result<SphereMap> mapToSphereLinear(Context& context, const Connectivity& surfac
   const Context::Stage stage(context, "sphere map");
   ASSIGN_OR_RETURN(SphereMap map, LinearMap(surface, lengths).compute(context));
   if (map.quality.flipped_faces > 0) {
-    return Status(Reason::kFoldedMap,
-                  "the linear map to the sphere folds " +
-                      std::to_string(map.quality.flipped_faces) + " of " +
-                      std::to_string(surface.faceCount()) + " faces",
-                  "remesh the surface with fewer obtuse triangles");
+    return Status(
+        Reason::kFoldedMap,
+        "the linear map to the sphere folds " + std::to_string(map.quality.flipped_faces) + " of " +
+            std::to_string(surface.faceCount()) + " faces",
+        "remesh it with fewer obtuse triangles; limbs more than some twenty times as long as "
+        "thick exceed what doubles can tell apart on a sphere");
   }
   return map;
 }
