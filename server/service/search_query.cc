@@ -47,7 +47,8 @@ Status comparable(const Signature& signature, Space space) {
                 ", the store of version " + std::to_string(kDescriptorVersion),
             "sign the surface anew; the server does so with its stored shapes by itself"};
   }
-  if (vectorOf(signature.vectors, space).empty() || !signature.conformal) {
+  const bool typed = space != Space::kConformal || signature.conformal;
+  if (vectorOf(signature.vectors, space).empty() || !typed) {
     return {Reason::kIncomparableSignatures, "the query has no numbers of the asked space",
             "search in another space"};
   }
@@ -69,7 +70,7 @@ Result<v1::SearchResult> search(Context& context, const Backend& backend,
   ASSIGN_OR_RETURN(const Signature signature,
                    querySignature(context, backend, *catalog, request, query.space));
   RETURN_IF_ERROR(comparable(signature, query.space));
-  query.type = conformalTypeName(signature.conformal->type);
+  if (signature.conformal) query.type = conformalTypeName(signature.conformal->type);
   query.vector = vectorOf(signature.vectors, query.space);
   query.distance = [&signature, space = query.space](
                        const ShapeRecord& record) -> Result<std::optional<double>> {
