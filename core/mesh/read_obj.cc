@@ -111,7 +111,7 @@ Status ObjReader::otherStatement(const char* start) {
   }
   for (;;) {
     in_.skipToLineEnd();
-    if (takesName(keyword) || in_.at()[-1] != '\\') return {};
+    if (in_.atEnd() || takesName(keyword) || in_.at()[-1] != '\\') return {};
     in_.skipLineEnd();
   }
 }

@@ -51,6 +51,11 @@ TEST(ReadObj, ABackslashJoinsLines) {
   EXPECT_THAT(soup->faces, ElementsAre(Triangle{0, 1, 2}));
 }
 
+TEST(ReadObj, ABackslashAtTheEndOfTheFileJoinsNothing) {
+  EXPECT_OK(obj(kPoints + "f 1 2 3\nl 1 2\\"));
+  EXPECT_THAT(obj(kPoints + "f 1 2 3\\"), FailsAt(Reason::kSyntaxError, "part.obj:5: "));
+}
+
 TEST(ReadObj, ABackslashAtTheEndOfANameIsPartOfIt) {
   EXPECT_OK(obj("mtllib C:\\parts\\\n# C:\\x\\\n" + kPoints + "f 1 2 3\n"));
 }
