@@ -1,6 +1,6 @@
 #include "core/mesh/fill_holes.h"
 
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Core/Mesh/TriConnectivity.hh>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -15,11 +15,8 @@ namespace {
 constexpr std::size_t kLongestTriangulated = 256;
 constexpr std::size_t kCheckEvery = 10000;
 
-struct DoubleTraits : OpenMesh::DefaultTraits {
-  using Point = OpenMesh::Vec3d;
-  using Normal = OpenMesh::Vec3d;
-};
-using EditableMesh = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
+// Half-edges alone: positions stay in the soup, where nothing can round them.
+using EditableMesh = OpenMesh::TriConnectivity;
 using Loop = std::vector<OpenMesh::HalfedgeHandle>;
 
 class HoleFiller {
@@ -41,7 +38,7 @@ class HoleFiller {
  private:
   Status build(Context& context) {
     mesh_.reserve(soup_.vertices.size(), structure_.edges.count(), soup_.faces.size());
-    for (const Eigen::Vector3d& p : soup_.vertices) mesh_.add_vertex({p[0], p[1], p[2]});
+    for (std::size_t v = 0; v < soup_.vertices.size(); ++v) mesh_.add_vertex();
     for (std::size_t f = 0; f < soup_.faces.size(); ++f) {
       if (f % kCheckEvery == 0) RETURN_IF_ERROR(context.check());
       RETURN_IF_ERROR(addToMesh(soup_.faces[f]));
@@ -129,7 +126,7 @@ class HoleFiller {
     const Eigen::Vector3d centre = length > 0 ? Eigen::Vector3d(origin + sum / length) : origin;
     const auto hub = static_cast<Index>(soup_.vertices.size());
     soup_.vertices.push_back(centre);
-    mesh_.add_vertex({centre[0], centre[1], centre[2]});
+    mesh_.add_vertex();
     std::vector<Triangle> fan;
     for (const OpenMesh::HalfedgeHandle h : loop) fan.push_back({tail(h), head(h), hub});
     for (const Triangle& face : fan) RETURN_IF_ERROR(addFace(face));
