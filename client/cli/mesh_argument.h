@@ -28,6 +28,9 @@ class MeshArgument {
   /// As a source for requests; sends the mesh where it has to be sent.
   Result<v1::MeshSource> source(Client& client) const;
 
+  /// The whole file that was given; not for a stored one.
+  Result<std::string> content() const;
+
   /// The resource name of a stored one.
   const std::string& resource() const { return resource_; }
 

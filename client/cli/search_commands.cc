@@ -1,7 +1,9 @@
 #include "client/cli/command.h"
+#include "client/cli/file_writer.h"
 #include "client/cli/mesh_argument.h"
 #include "client/cli/prepare_arguments.h"
 #include "client/cli/report.h"
+#include "client/cli/search_picture.h"
 #include "client/cli/session.h"
 
 /// search.
@@ -9,6 +11,14 @@ namespace moduli::cli {
 namespace {
 
 constexpr int kDefaultHits = 10;
+
+Status writePicture(Client& client, const SearchPicture& picture, const std::string& path) {
+  ASSIGN_OR_RETURN(const std::string png, drawSearch(client, picture));
+  FileWriter writer(path, true);
+  RETURN_IF_ERROR(writer.open());
+  RETURN_IF_ERROR(writer.write(png));
+  return writer.commit();
+}
 
 Status runSearch(Session& session, const Arguments& arguments) {
   const std::string collection = arguments.text("collection");
@@ -37,6 +47,14 @@ Status runSearch(Session& session, const Arguments& arguments) {
   }
   const Result<v1::SearchResult> result = client->search(request);
   if (!result.ok()) return session.explain(what, result.status());
+  if (arguments.has("picture")) {
+    const SearchPicture picture{.collection = collection,
+                                .query = what,
+                                .query_resource = request.shape(),
+                                .mesh = mesh && !mesh->stored() ? &*mesh : nullptr,
+                                .result = *result};
+    RETURN_IF_ERROR(writePicture(*client, picture, arguments.text("picture")));
+  }
   if (session.json()) return session.printJson(*result);
   return session.quiet() ? Status() : session.print(searchReport(*result));
 }
@@ -57,6 +75,10 @@ std::vector<CommandSpec> searchCommands() {
       {.names = "--filter",
        .value = "EXPR",
        .help = "Only shapes for which this holds, as in 'genus >= 1 AND label = \"cup\"'"}};
+  options.push_back({.names = "--picture",
+                     .value = "OUT.png",
+                     .help = "Draw the query and the hits",
+                     .completion = Completion::kFile});
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
   options.push_back(formatOption());
   return {{.path = "search",
