@@ -59,9 +59,10 @@ Status runDistance(Session& session, const Arguments& arguments) {
   RETURN_IF_ERROR(send(b, *request.mutable_b()->mutable_source()));
   const Result<v1::SignatureDistances> result = client->compareSignatures(request);
   if (!result.ok()) {
-    const std::string& message = result.status().message();
-    const bool named = message.starts_with(a.name()) || message.starts_with(b.name());
-    return session.explain(named ? "" : a.name() + " and " + b.name(), result.status());
+    const Status status = result.status();
+    const bool named =
+        status.message().starts_with(a.name()) || status.message().starts_with(b.name());
+    return session.explain(named ? "" : a.name() + " and " + b.name(), status);
   }
   if (session.json()) return session.printJson(*result);
   return session.quiet() ? Status() : session.print(distancesReport(*result));
