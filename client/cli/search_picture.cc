@@ -25,6 +25,8 @@ Result<Image> drawMesh(std::string_view bytes, const std::string& name) {
   for (const Eigen::Vector3d& p : soup.vertices) points.push_back({p.x(), p.y(), p.z()});
   RenderOptions look;
   look.width = look.height = kSide;
+  look.up = {0, 1, 0};  // As most mesh files mean it.
+  look.view_from = {0.55, 0.4, 1};
   return renderSurface(points, soup.faces, {}, look);
 }
 

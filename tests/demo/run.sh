@@ -25,7 +25,7 @@ sample spheres/ellipsoid ellipsoid a=1 b=1.3 c=1.8 resolution=24
 for l in 0.5 1.5; do sample "spheres/capsule-$l" capped-cylinder radius=1 half_length=$l resolution=24; done
 for R in 1.3 1.6 2 3; do sample "tori/torus-$R" torus R=$R r=1 resolution=32; done
 sample tori/clifford torus R=1.4142135623730951 r=1 resolution=40 seed=7
-sample tori/diplotorus diplotorus n=6 phi=0.03 h=0.6 s=-2 s2=0 subdivide=6
+sample tori/diplotorus diplotorus n=6 phi=0.03 h=0.6 s=-2 s2=0 resolution=6
 ls "$out"/meshes/*
 
 say "2. What is in a mesh: moduli inspect"
