@@ -24,6 +24,9 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 # Debian's OpenBLAS starts a thread per core for every small block; ours are where they pay.
 export OPENBLAS_NUM_THREADS := 1
+# Checkouts in different folders share what was compiled.
+export CCACHE_BASEDIR := $(CURDIR)
+export CCACHE_NOHASHDIR := 1
 
 .PHONY: demo test build bench format tidy fuzz clean install-build install-test
 
