@@ -1,6 +1,7 @@
 #pragma once
 
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -14,11 +15,17 @@
 /// What the store's tests share.
 namespace moduli {
 
-/// A folder that goes with the object.
+/// A folder that goes with the object; in memory where there is such a place and the test does not
+/// ask for the disk, whose syncs would take most of its time.
 class TemporaryFolder {
  public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "moduli-test-XXXXXX").string();
+  enum class Place { kMemory, kDisk };
+
+  explicit TemporaryFolder(Place place = Place::kMemory) {
+    const std::filesystem::path memory = "/dev/shm";
+    const bool use_memory = place == Place::kMemory && ::access(memory.c_str(), W_OK) == 0;
+    const auto parent = use_memory ? memory : std::filesystem::temp_directory_path();
+    std::string name = (parent / "moduli-test-XXXXXX").string();
     if (::mkdtemp(name.data()) != nullptr) path_ = name;
   }
   ~TemporaryFolder() {
