@@ -13,7 +13,8 @@ namespace moduli {
 struct TorusPeriod {
   Complex tau;  ///< Reduced to the fundamental domain of SL(2, Z).
   /// Certified: |tau - exact| <= tau_error up to the modular group, where exact belongs to the
-  /// given discrete metric itself (not to a smooth surface that it may approximate).
+  /// given discrete metric itself (not to a smooth surface that it may approximate). Rounding is
+  /// included, so it is never 0.
   double tau_error = 0;
   Eigen::Matrix2d energy;      ///< E_h of the harmonic basis, symplectic marking (alpha, beta).
   double determinant_gap = 0;  ///< det E_h - 1 >= 0, exactly 0 on flat tori.
@@ -29,8 +30,10 @@ struct TorusPeriod {
 /// Period of a closed connected genus-1 surface from its metric (lengths per edge, proper
 /// triangles). tau by the symplectic projection of the harmonic energy; error from 1 <= det E_h:
 /// d_H(tau, exact) <= log(det E_h) / 2. Exact to rounding on flat tori, O(h^2) on smooth ones.
-/// Fails with kUnsupportedTopology (other genus or boundary), and as SpdSolver does. One
-/// factorization and two right-hand sides. Source: MATH 3.
+/// Fails with kUnsupportedTopology (other genus, boundary, several components), as SpdSolver does,
+/// and with kResidualTooLarge or kNoConvergence where the torus is too thin for double precision.
+/// One factorization and two right-hand sides. Stages "cohomology", "period" and those of
+/// SpdSolver. Source: MATH 3.
 Result<TorusPeriod> computeTorusPeriod(Context& context, const Connectivity& surface,
                                        const std::vector<double>& lengths);
 
