@@ -1,9 +1,6 @@
 #include <Eigen/Core>
-#include <algorithm>
 #include <array>
-#include <utility>
 
-#include "core/base/parallel.h"
 #include "core/signature/field_samples.h"
 #include "core/signature/spectra.h"
 #include "core/signature/spherical_harmonics.h"

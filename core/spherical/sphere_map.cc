@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
