@@ -39,6 +39,11 @@ class Parser {
       request.kind = Request::Kind::kHelp;
       request.path = pathOf(deepest());
       return request;
+    } catch (const CLI::ExtrasError&) {
+      request.kind = Request::Kind::kUsageError;
+      request.path = pathOf(deepest());
+      request.complaint = tooMuch(*deepest());
+      return request;
     } catch (const CLI::ParseError& error) {
       if (root_.count("--version") > 0) return versionRequest();
       request.kind = Request::Kind::kUsageError;
@@ -126,6 +131,16 @@ class Parser {
     if (app == &root_) return "";
     const std::string above = pathOf(app->get_parent());
     return above.empty() ? app->get_name() : above + " " + app->get_name();
+  }
+
+  // The first word that has no place.
+  static std::string tooMuch(const CLI::App& app) {
+    const std::vector<std::string> words = app.remaining();
+    if (words.empty()) return "there are too many words";
+    const std::string word = "'" + words.front() + "'";
+    if (words.front().starts_with('-')) return "there is no option " + word;
+    if (!app.get_subcommands(nullptr).empty()) return "there is no command " + word;
+    return word + " is one word too many";
   }
 
   Request versionRequest() const {

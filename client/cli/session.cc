@@ -27,6 +27,14 @@ std::string defaultDataFolder() {
   return home.empty() ? "" : home + "/.local/share/moduli";
 }
 
+// The last and most telling part of gRPC's chain of causes: "Connection refused".
+std::string lastCause(const Status& status) {
+  std::string words = status.message();
+  if (words.ends_with(')')) words.pop_back();
+  const std::size_t colon = words.rfind(": ");
+  return colon == std::string::npos ? words : words.substr(colon + 2);
+}
+
 // Far enough for everyone, and still a time that clocks can hold.
 constexpr double kLongestTimeout = 1e8;
 
@@ -112,7 +120,7 @@ Status Session::explain(const std::string& what, const Status& status) const {
     case Reason::kOk:
       return status;
     case Reason::kServerUnreachable:
-      return {status.reason(), "server " + server_ + ": cannot be reached: " + status.message(),
+      return {status.reason(), "server " + server_ + ": cannot be reached: " + lastCause(status),
               "start one there with 'moduli serve', or leave --server out to work without"};
     case Reason::kServerTooOld:
       return {status.reason(), "server " + server_ + ": is too old: it does not know this request",
