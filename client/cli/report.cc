@@ -35,25 +35,6 @@ std::string topologyLines(const v1::Topology& topology) {
          line("area", brief(topology.area()));
 }
 
-// What helps against a defect.
-std::string remedy(v1::Defect::Kind kind) {
-  switch (kind) {
-    case v1::Defect::INCONSISTENT_ORIENTATION:
-    case v1::Defect::DEGENERATE_FACE:
-    case v1::Defect::DUPLICATE_FACE:
-    case v1::Defect::NON_MANIFOLD_VERTEX:
-    case v1::Defect::DUPLICATE_VERTEX:
-    case v1::Defect::ISOLATED_VERTEX:
-      return "--repair";
-    case v1::Defect::MULTIPLE_COMPONENTS:
-      return "--component largest";
-    case v1::Defect::ZERO_AREA_FACE:
-      return "none needed";
-    default:
-      return "mend the model where it was made";
-  }
-}
-
 std::string firstElements(const v1::Defect& defect) {
   constexpr int kShown = 8;
   std::string text;
@@ -114,16 +95,14 @@ std::string certificateLines(const v1::SignatureCertificate& certificate) {
 }  // namespace
 
 std::string inspectionReport(const std::string& title, const v1::Inspection& inspection) {
-  std::string text = safe(title) + ": " +
-                     (inspection.valid() ? "valid" : "not valid: nothing is computed from it") +
-                     "\n" + topologyLines(inspection.topology());
+  std::string text = safe(title) + ": " + (inspection.valid() ? "valid" : "not valid") + "\n" +
+                     topologyLines(inspection.topology());
   for (const v1::Defect& defect : inspection.defects()) {
     text += line(defect.severity() == v1::Defect::BLOCKING ? "defect" : "warning",
                  v1::Defect::Kind_Name(defect.kind()) + ": " + safe(defect.message()));
     if (defect.elements_size() > 0) {
       text += line("", "elements " + firstElements(defect));
     }
-    text += line("", "remedy: " + remedy(defect.kind()));
   }
   for (const v1::RepairAction& action : inspection.repair()) {
     text += line("--repair",
