@@ -121,7 +121,10 @@ TEST(LiveIndex, SearchesSeeWholeWritesWhileIndexIsRebuilt) {
   for (std::int64_t id = 1; id <= 50; ++id) {
     appendTo(first, id, {static_cast<float>(id), 0, 0});
   }
-  constexpr std::int64_t kMoving = 1000;
+  // Rows far away, so that a rebuild takes long enough for writes to fall into it.
+  for (std::int64_t id = 51; id < 3000; ++id)
+    appendTo(first, id, {1e3F, static_cast<float>(id), 0});
+  constexpr std::int64_t kMoving = 3000;
   appendTo(first, kMoving, {0, 0, 0});
   ASSERT_OK(index->apply(first, {}));
   std::atomic<int> searching = 2;
@@ -140,7 +143,7 @@ TEST(LiveIndex, SearchesSeeWholeWritesWhileIndexIsRebuilt) {
       std::int64_t last = kMoving;
       for (int round = 0; round < 300; ++round) {
         Context context;
-        const auto found = index->search(context, std::vector<float>(kDimension, 0), 100);
+        const auto found = index->search(context, std::vector<float>(kDimension, 0), 51);
         EXPECT_OK(found);
         EXPECT_EQ(found->size(), 51U);
         EXPECT_GE((*found)[0].id, last);  // Never back to an older state.
