@@ -197,7 +197,9 @@ void GrpcServer::drainOnce() {
   }
   housekeeper_.reset();
   if (grpc_ != nullptr) {
-    grpc_->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1));
+    // All calls are done. What is left are the last bytes on their way, and health watches and idle
+    // connections, which would wait for ever.
+    grpc_->Shutdown(std::chrono::system_clock::now() + std::chrono::milliseconds(200));
     grpc_->Wait();
   }
   backend_->compute.shutdown();

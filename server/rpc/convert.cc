@@ -42,9 +42,12 @@ Message shifted(Core value) {
   return static_cast<Message>(static_cast<int>(value) + 1);
 }
 
-static_assert(static_cast<int>(DefectKind::kEmpty) + 1 == v1::Defect::EMPTY);
-static_assert(static_cast<int>(DefectKind::kMultipleComponents) + 1 ==
-              v1::Defect::MULTIPLE_COMPONENTS);
+v1::Defect::Kind toProto(DefectKind kind) {
+  v1::Defect::Kind message = v1::Defect::KIND_UNSPECIFIED;
+  v1::Defect::Kind_Parse(std::string(defectName(kind)), &message);
+  return message;
+}
+
 static_assert(static_cast<int>(ConformalType::kSphere) + 1 == v1::ConformalBlock::SPHERE);
 static_assert(static_cast<int>(ConformalType::kBordered) + 1 == v1::ConformalBlock::BORDERED);
 static_assert(static_cast<int>(Space::kConformal) + 1 == v1::Signature::CONFORMAL);
@@ -161,7 +164,7 @@ v1::Inspection toProto(const Inspection& inspection, const std::vector<RepairAct
   *message.mutable_topology() = toProto(inspection.counts);
   for (const Defect& defect : inspection.defects) {
     v1::Defect& one = *message.add_defects();
-    one.set_kind(shifted<v1::Defect::Kind>(defect.kind));
+    one.set_kind(toProto(defect.kind));
     one.set_severity(isBlocking(defect.kind) ? v1::Defect::BLOCKING : v1::Defect::WARNING);
     one.set_count(defect.count);
     append(defect.elements, *one.mutable_elements());

@@ -30,52 +30,47 @@ IngestCall::IngestCall(Backend& backend)
       limit_(kItemsPerThread * backend.compute.threads()) {}
 
 void IngestCall::OnReadDone(bool ok) {
-  {
+  if (!ok) {
     const std::lock_guard lock(mutex_);
     reading_ = false;
-    if (!ok) {
-      reads_done_ = true;
-      return pump();
-    }
-  }
-  // Nothing else touches request_ until pump() reads on.
-  if (plan_ == nullptr) {
+    reads_done_ = true;
+    pump();
+  } else if (plan_ == nullptr) {
     takeHeader();
   } else {
     takeItem();
   }
 }
 
+// reading_ stays true while request_ is looked at, because any thread that finishes an item would
+// start the next read into it.
+
 void IngestCall::takeHeader() {
   if (const Refusal refusal = checkHeader(request_); !refusal.ok()) {
     return end(refusal.status, refusal.field);
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    opening_ = true;
   }
   backend_.io.submitWhenRoom([self = self_, header = request_.header()] {
     Result<IngestPlan> plan = guarded([&] { return openIngest(self->backend_, header); });
     if (!plan.ok()) return self->end(plan.status(), "header.parent");
     const std::lock_guard lock(self->mutex_);
     self->plan_ = std::make_shared<const IngestPlan>(*std::move(plan));
-    self->opening_ = false;
+    self->reading_ = false;
     self->pump();
   });
 }
 
 void IngestCall::takeItem() {
   const Refusal refusal = checkItem(request_);
-  if (!refusal.ok() && !request_.has_item()) return end(refusal.status, refusal.field);
+  if (!request_.has_item()) return end(refusal.status, refusal.field);
   const auto item = std::make_shared<const Item>(std::move(*request_.mutable_item()));
   {
     const std::lock_guard lock(mutex_);
     ++in_flight_;
+    reading_ = false;
+    pump();
   }
   if (refusal.ok()) {
     start(item);
-    const std::lock_guard lock(mutex_);
-    pump();
   } else {
     finishItem(failedItem(*item, *plan_, refusal.status));
   }
@@ -115,7 +110,7 @@ void IngestCall::pump() {
     outcomes_.pop_front();
     StartWrite(&current_);
   }
-  if (in_flight_ == 0 && !opening_ && (reads_done_ || draining_)) {
+  if (in_flight_ == 0 && (reads_done_ || draining_)) {
     const Status status =
         reads_done_
             ? Status()
@@ -126,7 +121,7 @@ void IngestCall::pump() {
     closed_ = true;
     return Finish(toGrpcStatus(status));
   }
-  if (!reading_ && !reads_done_ && !draining_ && !opening_ && in_flight_ < limit_) {
+  if (!reading_ && !reads_done_ && !draining_ && in_flight_ < limit_) {
     reading_ = true;
     StartRead(&request_);
   }

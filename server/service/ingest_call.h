@@ -50,13 +50,12 @@ class IngestCall final
   void pump();
 
   const std::size_t limit_;                 ///< Of items in flight.
-  v1::IngestShapesRequest request_;         ///< Belongs to gRPC while reading_.
+  v1::IngestShapesRequest request_;         ///< Not to be read into while reading_.
   Outcome current_;                         ///< Belongs to gRPC while writing_.
   std::shared_ptr<const IngestPlan> plan_;  ///< Set once, before the first item is read.
   std::deque<Outcome> outcomes_;
   std::size_t in_flight_ = 0;
-  bool opening_ = false;  ///< The header is being worked on.
-  bool reading_ = false;
+  bool reading_ = false;  ///< A read is under way, or what it brought is looked at.
   bool writing_ = false;
   bool reads_done_ = false;
   bool draining_ = false;

@@ -10,7 +10,7 @@ class CatalogTest : public ServiceTest {
     ServiceTest::SetUp();
     std::vector<v1::IngestShapesRequest::Item> items;
     for (int i = 0; i < 20; ++i) {
-      items.push_back(ingestItemOf(i, "e" + std::to_string(i), smallMesh(20 * i)));
+      items.push_back(ingestItemOf(i, numbered("e", i), smallMesh(20 * i)));
       items.back().set_label(i % 2 == 0 ? "even" : "odd");
       (*items.back().mutable_tags())["number"] = std::to_string(i);
     }

@@ -72,7 +72,7 @@ TEST(Convert, WhatNoSignatureCanBeIsRefused) {
 
 TEST(Convert, DefectsKeepKindSeverityAndElements) {
   Inspection inspection;
-  inspection.counts = {.vertices = 4, .faces = 3, .components = 1};
+  inspection.counts.faces = 3;
   inspection.defects = {{DefectKind::kNonManifoldEdge, 2, {0, 5}, "bad edge"},
                         {DefectKind::kIsolatedVertex, 1, {7}, "alone"}};
   const v1::Inspection message = toProto(inspection, {{"weld vertices", 3}});
@@ -113,7 +113,9 @@ TEST(Convert, OptionsAndEnumsTravelThereAndBack) {
 }
 
 TEST(Convert, UndefinedDistancesStayAbsent) {
-  const v1::SignatureDistances message = toProto(SignatureDistances{.metric = 0.0});
+  SignatureDistances distances;
+  distances.metric = 0.0;
+  const v1::SignatureDistances message = toProto(distances);
   EXPECT_FALSE(message.has_conformal());
   EXPECT_TRUE(message.has_metric());
   EXPECT_EQ(fromProto(message).metric, 0.0);

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kChunk = 256 << 10;
 
 template <typename Response>
-Result<Response> answered(const grpc::Status& status, Response response) {
+Result<Response> answered(const grpc::Status& status, const Response& response) {
   if (!status.ok()) return fromGrpcStatus(status);
   return response;
 }
@@ -73,6 +73,11 @@ std::string smallMesh(int number) {
 const std::string& largeMesh() {
   static const std::string bytes = sampleFile("ellipsoid", {{"resolution", 101}});
   return bytes;
+}
+
+std::string numbered(std::string prefix, int number) {
+  prefix += std::to_string(number);
+  return prefix;
 }
 
 v1::MeshSource inlineSource(const std::string& bytes, const std::string& name) {
@@ -192,7 +197,8 @@ Result<std::string> Peer::upload(const std::string& bytes) {
     open = writer->Write(request);  // False once the server has answered: the file is there.
   }
   writer->WritesDone();
-  return answered(writer->Finish(), response.digest());
+  const grpc::Status status = writer->Finish();
+  return answered(status, response.digest());
 }
 
 Result<std::map<int, v1::IngestShapesResponse>> Peer::ingest(

@@ -41,6 +41,9 @@ std::string smallMesh(int number);
 /// A surface of 204,800 faces: signing it takes seconds.
 const std::string& largeMesh();
 
+/// The prefix with a number behind it.
+std::string numbered(std::string prefix, int number);
+
 v1::MeshSource inlineSource(const std::string& bytes, const std::string& name = "sample.off");
 v1::MeshSource digestSource(const std::string& digest);
 v1::MeshSource shapeSource(const std::string& shape);

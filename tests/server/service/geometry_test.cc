@@ -141,7 +141,7 @@ struct WrongSource {
 TEST_F(GeometryTest, TheSameDefectAlwaysHasTheSameReason) {
   const std::string square = "4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
   const std::vector<WrongSource> wrongs = {
-      {"", Reason::kUnknownFormat},
+      {"", Reason::kEmpty},
       {"no mesh at all", Reason::kUnknownFormat},
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n", Reason::kTruncatedFile},
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", Reason::kIndexOutOfRange},

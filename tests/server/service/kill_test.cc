@@ -12,7 +12,7 @@ namespace {
 constexpr int kItems = 120;
 
 std::string nameOf(int index) {
-  return "s" + std::to_string(index);
+  return numbered("s", index);
 }
 
 /// Ingests everything and kills the server after `acknowledgements` outcomes. Returns the names
@@ -95,7 +95,9 @@ TEST(KilledServer, KeepsEveryAcknowledgedShapeAndNoHalfOne) {
     ASSERT_OK(outcomes);
     for (const auto& [index, outcome] : *outcomes) {
       const bool was_there = acknowledged.contains(outcome.name());
-      if (was_there) EXPECT_EQ(outcome.outcome(), v1::IngestShapesResponse::SKIPPED);
+      if (was_there) {
+        EXPECT_EQ(outcome.outcome(), v1::IngestShapesResponse::SKIPPED);
+      }
       EXPECT_NE(outcome.outcome(), v1::IngestShapesResponse::FAILED) << outcome.message();
     }
     EXPECT_EQ(peer.listShapes("c")->size(), static_cast<std::size_t>(kItems));

@@ -109,7 +109,8 @@ TEST_F(LifecycleTest, ReflectionNamesTheServices) {
 
 TEST_F(LifecycleTest, AnUnknownCallSaysThatTheServerIsTooOld) {
   grpc::ClientContext context;
-  grpc::ByteBuffer request, response;
+  const grpc::Slice nothing;
+  grpc::ByteBuffer request(&nothing, 1), response;
   std::promise<grpc::Status> done;
   grpc::GenericStub(peer_->channel())
       .UnaryCall(&context, "/moduli.v1.GeometryService/Levitate", {}, &request, &response,

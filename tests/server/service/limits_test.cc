@@ -109,8 +109,8 @@ TEST_F(LimitsTest, AFullQueueRefusesAtOnceAndSaysWhenToRetry) {
   EXPECT_GT(retryDelay(refusal).count(), 0);
   computing->context.TryCancel();
   waiting->context.TryCancel();
-  computing->end();
-  waiting->end();
+  EXPECT_THAT(computing->end(), FailsWith(Reason::kCancelled));
+  EXPECT_THAT(waiting->end(), FailsWith(Reason::kCancelled));
   EXPECT_TRUE(computingThreadIsFree());
 }
 
@@ -122,7 +122,7 @@ TEST_F(LimitsTest, ADeadlineThatPassesInTheQueueIsAnsweredWithoutRunning) {
   EXPECT_THAT(waiting->end(), FailsWith(Reason::kDeadlineExceeded));
   EXPECT_LT(Clock::now() - begin, milliseconds(300) + kSlack);
   computing->context.TryCancel();
-  computing->end();
+  EXPECT_THAT(computing->end(), FailsWith(Reason::kCancelled));
 }
 
 TEST_F(LimitsTest, HealthAndCatalogueAnswerWhileEveryComputingThreadIsBusy) {
@@ -138,8 +138,8 @@ TEST_F(LimitsTest, HealthAndCatalogueAnswerWhileEveryComputingThreadIsBusy) {
   EXPECT_OK(peer_->listShapes("c"));
   computing->context.TryCancel();
   waiting->context.TryCancel();
-  computing->end();
-  waiting->end();
+  EXPECT_THAT(computing->end(), FailsWith(Reason::kCancelled));
+  EXPECT_THAT(waiting->end(), FailsWith(Reason::kCancelled));
 }
 
 TEST_F(LimitsTest, IngestWaitsWhereInteractiveWorkIsRefused) {
@@ -148,7 +148,7 @@ TEST_F(LimitsTest, IngestWaitsWhereInteractiveWorkIsRefused) {
   const auto waiting = start(large_);
   std::vector<v1::IngestShapesRequest::Item> items;
   for (int i = 0; i < 20; ++i) {
-    items.push_back(ingestItemOf(i, "s" + std::to_string(i), smallMesh(i)));
+    items.push_back(ingestItemOf(i, numbered("s", i), smallMesh(i)));
   }
   std::thread canceller([&] {
     // When the collection is there, the stream is open and its items wait.
@@ -163,8 +163,8 @@ TEST_F(LimitsTest, IngestWaitsWhereInteractiveWorkIsRefused) {
   for (const auto& [index, outcome] : *outcomes) {
     EXPECT_EQ(outcome.outcome(), v1::IngestShapesResponse::ADDED) << outcome.message();
   }
-  computing->end();
-  waiting->end();
+  EXPECT_THAT(computing->end(), FailsWith(Reason::kCancelled));
+  EXPECT_THAT(waiting->end(), FailsWith(Reason::kCancelled));
 }
 
 }  // namespace

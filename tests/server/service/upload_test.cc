@@ -40,7 +40,7 @@ class UploadTest : public ServiceTest {
     return message;
   }
 
-  const std::string bytes_ = sampleFile("ellipsoid", {{"resolution", 40}});
+  const std::string bytes_ = sampleFile("ellipsoid", {{"resolution", 24}});
   const std::string digest_ = sha256Hex(bytes_);
 };
 
