@@ -57,7 +57,9 @@ Result<v1::MeshSource> MeshArgument::source(Client& client) const {
   return source;
 }
 
-Result<std::string> MeshArgument::content() const { return bytes_->read(0, bytes_->size()); }
+Result<std::string> MeshArgument::content() const {
+  return bytes_->read(0, bytes_->size());
+}
 
 v1::MeshSource::Format protoFormat(const std::string& name) {
   const auto format = formatFromName(name);

@@ -20,7 +20,7 @@ const std::vector<std::string> kFloors = {
     "core/base",       "core/picture",   "core/mesh",     "core/linalg",       "core/optimize",
     "core/topology",   "core/intrinsic", "core/forms",    "core/ricci",        "core/spherical",
     "core/hyperbolic", "core/signature", "core/matching", "core/parameterize", "core/retrieval",
-    "proto",           "server/rpc",     "server/store",  "server/service",    "server/server.h",
+    "proto",           "server/rpc",     "server/store",  "server/service",    "server/server.",
     "server/daemon",   "client/cpp",     "client/cli"};
 
 // What a room may not include although it lies below: thin clients know no insides of the core.
