@@ -6,10 +6,9 @@
 
 namespace moduli::cli {
 
-/// Ctrl-C and its kin. From construction on SIGINT, SIGTERM and SIGHUP are blocked in this and all
-/// later threads and taken by one of our own. The first calls the handler, or ends the process
-/// (exit 1) if there is none; the second always ends it. Make one at the start of main, before any
-/// other thread.
+/// Ctrl-C and its kin. From construction on SIGINT, SIGTERM and SIGHUP come to a thread of ours.
+/// The first calls the handler, or ends the process (exit 1) if there is none; the second always
+/// ends it. A signal that was ignored before (nohup) stays so. At most one at a time.
 class Interrupts {
  public:
   Interrupts();
@@ -23,16 +22,13 @@ class Interrupts {
 
   bool interrupted() const;
 
-  /// Undoes the blocking for a program that takes this one's place.
-  static void unblock();
-
  private:
+  void takeSignal();
   void wait();
 
   mutable std::mutex mutex_;
   std::function<void()> handler_;
   bool interrupted_ = false;
-  bool closing_ = false;
   std::thread thread_;
 };
 

@@ -60,7 +60,6 @@ int serve(const Request& request) {
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   std::signal(SIGPIPE, SIG_DFL);
-  moduli::cli::Interrupts::unblock();
   ::execv(program.c_str(), pointers.data());
   return fail(
       {Reason::kFileNotFound, program + ": cannot be started", "install modulid beside moduli"});

@@ -104,7 +104,7 @@ class Parser {
                        spec.max < 0 ? CLI::detail::expected_max_vector_size : spec.max);
       option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
       // CLI11 2.1.2 fills a positional up to its least number only, unless told so.
-      option->allow_extra_args(spec.max < 0);
+      option->allow_extra_args(spec.max != 1);
       option->required(spec.min > 0);
       bound.arguments.emplace_back(&spec, option);
     }

@@ -31,11 +31,11 @@ namespace moduli {
 
 struct ClientOptions {
   /// All calls together must be done by then; empty: no limit.
-  std::optional<std::chrono::steady_clock::time_point> deadline;
-  std::string token;  ///< "": none.
-  RetryPolicy retry;
+  std::optional<std::chrono::steady_clock::time_point> deadline = {};
+  std::string token = {};  ///< "": none.
+  RetryPolicy retry = {};
   /// Told how far the running call is, from the thread that made the call.
-  std::function<void(const v1::Progress&)> progress;
+  std::function<void(const v1::Progress&)> progress = {};
 };
 
 /// Each function makes one or more calls and returns when they are done. Failures are those of the

@@ -17,9 +17,10 @@ struct ConnectOptions {
   /// HOST, HOST:PORT (default port 7447), or what gRPC takes as a target (ipv4:A:P,B:P,
   /// dns:///...); several addresses are used in turn.
   std::string server;
-  bool tls = false;     ///< Encrypt; implied by a CA or a certificate.
-  std::string ca_file;  ///< PEM of who signed the server's certificate; "": the system's.
-  std::string cert_file, key_file;  ///< PEM of the client's own certificate; both or neither.
+  bool tls = false;          ///< Encrypt; implied by a CA or a certificate.
+  std::string ca_file = {};  ///< PEM of who signed the server's certificate; "": the system's.
+  std::string cert_file = {},
+              key_file = {};  ///< PEM of the client's own certificate; both or neither.
   /// A token will travel on this channel: refuse to send it unencrypted to another machine.
   bool carries_token = false;
   bool insecure = false;  ///< Send it all the same.

@@ -1,0 +1,92 @@
+#include "tests/client/cli_test.h"
+
+/// Where output goes: standard input and output, closed pipes, full disks, terminals.
+namespace moduli {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class Output : public CliTest {};
+
+TEST_F(Output, StandardInputIsAMesh) {
+  Process::Options options;
+  options.input = icosahedronOff();
+  EXPECT_THAT(run({"inspect", "-"}, options).out, HasSubstr("standard input: valid"));
+  options.input = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const ProcessResult obj = run({"inspect", "-", "--format", "obj", "--json"}, options);
+  ASSERT_THAT(obj, Succeeds());
+  EXPECT_EQ(Json::parse(obj.out)["topology"]["boundary_loops"].number(), 1);
+  options.input = "no mesh";
+  EXPECT_THAT(run({"signature", "-"}, options), FailsWithOneLine());
+}
+
+TEST_F(Output, ASampleGoesToStandardOutputInEveryFormat) {
+  for (const char* format : {"obj", "off", "ply", "stl"}) {
+    SCOPED_TRACE(format);
+    const ProcessResult made =
+        run({"sample", "sphere", "resolution=4", "-o", "-", "--format", format});
+    ASSERT_THAT(made, Succeeds());
+    Process::Options options;
+    options.input = made.out;
+    const ProcessResult read_back = run({"inspect", "-", "--format", format, "--json"}, options);
+    ASSERT_THAT(read_back, Succeeds());
+    EXPECT_EQ(Json::parse(read_back.out)["topology"]["genus"].number(), 0);
+  }
+}
+
+TEST_F(Output, AReaderThatHasHadEnoughIsNoFailure) {
+  write("a.off", icosahedronOff());
+  Process::Options options;
+  options.closed_pipe_output = true;
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"inspect", "a.off"},
+                                                {"--help"},
+                                                {"sample", "--list"},
+                                                {"man"},
+                                                {"signature", "a.off", "--json"}}) {
+    const ProcessResult result = run(words, options);
+    EXPECT_EQ(result.signal, 0);
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.err, "");
+  }
+}
+
+TEST_F(Output, AFullDiskIsAFailure) {
+  write("a.off", icosahedronOff());
+  Process::Options options;
+  options.output_file = "/dev/full";
+  const ProcessResult result = run({"inspect", "a.off"}, options);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("standard output"));
+  EXPECT_EQ(run({"--version"}, options).exit_code, 1);
+}
+
+TEST_F(Output, ATextFromElsewhereCannotSteerATerminal) {
+  // A label with an escape sequence in it.
+  write("\x1b[31mred/a.off", icosahedronOff());
+  const ProcessResult added =
+      run({"add", "-c", "demo", path("\x1b[31mred/a.off"), "--label-from", "dir"});
+  EXPECT_EQ(added.exit_code, 1);  // Such a label is refused; its name is shown without the escape.
+  EXPECT_THAT(added.out + added.err, Not(HasSubstr("\x1b")));
+  const ProcessResult missing = run({"inspect", "no\x1b[2Jsuch\nfile"});
+  EXPECT_THAT(missing, FailsWithOneLine());
+  EXPECT_THAT(missing.err, Not(HasSubstr("\x1b")));
+}
+
+TEST_F(Output, NoProgressIsDrawnWhereThereIsNoTerminal) {
+  sample("t.off", {"torus", "resolution=60"});
+  EXPECT_EQ(run({"signature", "t.off"}).err, "");
+}
+
+TEST_F(Output, ATimeoutEndsTheWork) {
+  sample("t.ply", {"torus", "resolution=200"});
+  const auto begin = std::chrono::steady_clock::now();
+  const ProcessResult result = run({"signature", "t.ply", "--timeout", "0.05"});
+  EXPECT_THAT(result, FailsWithOneLine());
+  EXPECT_THAT(result.err, HasSubstr("DEADLINE_EXCEEDED"));
+  EXPECT_THAT(result.err, HasSubstr("--timeout"));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+}
+
+}  // namespace
+}  // namespace moduli
