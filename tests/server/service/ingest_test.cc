@@ -168,7 +168,7 @@ TEST_F(IngestTest, AFastSenderIsSlowedDownWhenNobodyReadsOutcomes) {
 
 TEST_F(IngestTest, ACancelledStreamStoresWholeShapesOnlyAndGoesOnLater) {
   std::vector<Request::Item> items;
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 60; ++i) {
     items.push_back(ingestItemOf(i, numbered("s", i), smallMesh(i)));
   }
   std::set<std::string> acknowledged;
@@ -195,7 +195,7 @@ TEST_F(IngestTest, ACancelledStreamStoresWholeShapesOnlyAndGoesOnLater) {
   }
   const auto shapes = peer_->listShapes("c");
   ASSERT_OK(shapes);
-  EXPECT_LT(shapes->size(), 200U);
+  EXPECT_LT(shapes->size(), 60U);
   std::set<std::string> stored;
   for (const v1::Shape& shape : *shapes) stored.insert(shape.name());
   for (const std::string& name : acknowledged) EXPECT_TRUE(stored.contains(name)) << name;
@@ -204,7 +204,7 @@ TEST_F(IngestTest, ACancelledStreamStoresWholeShapesOnlyAndGoesOnLater) {
   std::size_t skipped = 0;
   for (const auto& [index, outcome] : *outcomes) skipped += outcome.outcome() == Outcome::SKIPPED;
   EXPECT_GE(skipped, acknowledged.size());
-  EXPECT_EQ(peer_->listShapes("c")->size(), 200U);
+  EXPECT_EQ(peer_->listShapes("c")->size(), 60U);
 }
 
 TEST_F(IngestTest, SignaturesOfAnOldVersionAreMadeAnewFromTheStoredMeshes) {

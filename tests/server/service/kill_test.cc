@@ -9,7 +9,7 @@
 namespace moduli {
 namespace {
 
-constexpr int kItems = 120;
+constexpr int kItems = 60;
 
 std::string nameOf(int index) {
   return numbered("s", index);
@@ -67,7 +67,7 @@ void expectWholeStore(Peer& peer, const std::set<std::string>& acknowledged) {
 }
 
 TEST(KilledServer, KeepsEveryAcknowledgedShapeAndNoHalfOne) {
-  for (const std::size_t acknowledgements : {std::size_t{1}, std::size_t{17}, std::size_t{60}}) {
+  for (const std::size_t acknowledgements : {std::size_t{1}, std::size_t{9}, std::size_t{30}}) {
     const TemporaryFolder folder;
     const std::vector<std::string> arguments = {"--listen", "127.0.0.1:0", "--data",
                                                 folder.path() + "/store"};

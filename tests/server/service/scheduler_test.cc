@@ -77,6 +77,7 @@ TEST(Scheduler, BulkWorkWaitsThroughAQueueFullOfInteractiveWork) {
   });
   gate.open();
   bulk_done.get_future().wait();
+  scheduler.shutdown();
   EXPECT_EQ(seen_by_bulk, 2) << "interactive work comes first";
 }
 
@@ -98,6 +99,7 @@ TEST(Scheduler, InteractiveWorkOvertakesBulkWork) {
   ASSERT_OK(scheduler.submit([&] { order += 'i'; }));
   gate.open();
   last_done.get_future().wait();
+  scheduler.shutdown();
   EXPECT_EQ(order, "ibb");
 }
 
@@ -113,6 +115,7 @@ TEST(Scheduler, BulkWorkNeverFillsTheQueue) {
   for (int i = 0; i < 100; ++i) scheduler.submitWhenRoom([] {});
   EXPECT_OK(scheduler.submit([] {}));
   gate.open();
+  scheduler.shutdown();
 }
 
 TEST(Scheduler, ShutdownDropsWhatWaitsBeforeTheDoor) {
