@@ -1,3 +1,4 @@
+#include <functional>
 #include <vector>
 
 #include "client/cli/command.h"
@@ -22,11 +23,35 @@ std::vector<std::string> listRow(const v1::Shape& shape) {
           std::to_string(topology.faces())};
 }
 
-Status runList(Session& session, const Arguments& arguments) {
+Status eachShape(Session& session, const Arguments& arguments,
+                 const std::function<Status(const v1::Shape&)>& use) {
   const std::string collection = arguments.text("collection");
   ASSIGN_OR_RETURN(Client* const client, session.client(StoreNeed::kExisting));
   Pager<v1::Shape> pager = client->listShapes(collectionName(collection), arguments.text("filter"));
-  v1::ListShapesResponse all;
+  while (true) {
+    const Result<std::optional<v1::Shape>> next = pager.next();
+    if (!next.ok()) return session.explain(collection, next.status());
+    if (!*next) return {};
+    RETURN_IF_ERROR(use(**next));
+  }
+}
+
+// As a ListShapesResponse of one page. Each shape becomes text at once: as messages, a hundred
+// thousand of them would fill the memory.
+Status listAsJson(Session& session, const Arguments& arguments) {
+  JsonWriter json;
+  json.open("{").key("shapes").open("[");
+  RETURN_IF_ERROR(eachShape(session, arguments, [&](const v1::Shape& shape) -> Status {
+    ASSIGN_OR_RETURN(const std::string text, toJson(shape));
+    json.document(text);
+    return {};
+  }));
+  json.close("]").key("next_page_token").string("").close("}");
+  return session.print(json.finish());
+}
+
+Status runList(Session& session, const Arguments& arguments) {
+  if (session.json()) return listAsJson(session, arguments);
   std::vector<std::vector<std::string>> rows;
   const auto flush = [&]() -> Status {
     if (rows.empty() || !session.talks()) return {};
@@ -35,18 +60,11 @@ Status runList(Session& session, const Arguments& arguments) {
     rows.clear();
     return session.print(table);
   };
-  while (true) {
-    Result<std::optional<v1::Shape>> next = pager.next();
-    if (!next.ok()) return session.explain(collection, next.status());
-    if (!*next) break;
-    if (session.json()) {
-      all.add_shapes()->Swap(&**next);
-    } else {
-      rows.push_back(listRow(**next));
-      if (rows.size() == kRowsAtOnce) RETURN_IF_ERROR(flush());
-    }
-  }
-  return session.json() ? session.printJson(all) : flush();
+  RETURN_IF_ERROR(eachShape(session, arguments, [&](const v1::Shape& shape) -> Status {
+    rows.push_back(listRow(shape));
+    return rows.size() == kRowsAtOnce ? flush() : Status();
+  }));
+  return flush();
 }
 
 Status runShow(Session& session, const Arguments& arguments) {
