@@ -1,5 +1,4 @@
 /// modulid: the server. See --help.
-#include <pthread.h>
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -19,6 +18,7 @@
 
 #include "core/base/log.h"
 #include "core/signature/signature.h"
+#include "server/daemon/end_signals.h"
 #include "server/daemon/settings.h"
 #include "server/server.h"
 
@@ -120,22 +120,13 @@ void logToStderr(LogLevel least) {
   });
 }
 
-sigset_t endSignals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  return signals;
-}
-
 /// Drains; a further signal meanwhile cancels what runs.
-void drainUnderWatch(Server& server) {
+void drainUnderWatch(Server& server, const EndSignals& signals) {
   std::atomic<bool> done = false;
   std::thread watch([&] {
-    const sigset_t signals = endSignals();
-    const timespec pause{.tv_sec = 0, .tv_nsec = 50'000'000};
+    constexpr int kPauseMs = 50;
     while (!done) {
-      if (sigtimedwait(&signals, nullptr, &pause) > 0) server.cancelAll();
+      if (signals.wait(kPauseMs)) server.cancelAll();
     }
   });
   server.drain();
@@ -144,17 +135,14 @@ void drainUnderWatch(Server& server) {
 }
 
 int serve(const ServerOptions& options) {
-  // Before any thread starts, so that all of them leave the signals to sigwait.
-  const sigset_t signals = endSignals();
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  const EndSignals signals;
   signal(SIGPIPE, SIG_IGN);
 
   Result<std::unique_ptr<Server>> server = Server::start(options);
   if (!server.ok()) return complain("cannot start", server.status());
   std::cout << "moduli: listening on " << (*server)->address() << std::endl;
-  int received = 0;
-  sigwait(&signals, &received);
-  drainUnderWatch(**server);
+  signals.wait(-1);
+  drainUnderWatch(**server, signals);
   return 0;
 }
 
