@@ -1,5 +1,6 @@
 #include "server/server.h"
 
+#include <grpc/grpc.h>
 #include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
@@ -76,9 +77,16 @@ Result<std::shared_ptr<grpc::ServerCredentials>> makeCredentials(const ServerOpt
   return grpc::SslServerCredentials(ssl);
 }
 
-/// gRPC writes to stderr by itself; what it says is for those who look for faults in it.
-void quietGrpc() {
-  gpr_set_log_function([](gpr_log_func_args* line) { log(LogLevel::kDebug, line->message); });
+/// Once per process. gRPC writes to stderr by itself; what it says is for those who look for faults
+/// in it. And it is kept initialized for good: its own last end may wait 10 s for a poller that a
+/// large write has left behind, after everything of ours is closed.
+void prepareGrpc() {
+  static const bool done = [] {
+    gpr_set_log_function([](gpr_log_func_args* line) { log(LogLevel::kDebug, line->message); });
+    grpc_init();
+    return true;
+  }();
+  static_cast<void>(done);
 }
 
 Result<std::unique_ptr<Backend>> makeBackend(const ServerOptions& options) {
@@ -141,7 +149,7 @@ class GrpcServer final : public Server {
 };
 
 Status GrpcServer::listen() {
-  quietGrpc();
+  prepareGrpc();
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;

@@ -1,24 +1,38 @@
-#include "server/rpc/convert.h"
+#include <filesystem>
+
 #include "tests/server/service/fixture.h"
 
 namespace moduli {
 namespace {
 
+/// Each test has a store of its own with the same 20 shapes, copied from one that is made once.
 class CatalogTest : public ServiceTest {
  protected:
-  void SetUp() override {
-    ServiceTest::SetUp();
+  static void SetUpTestSuite() {
+    original_ = std::make_unique<TemporaryFolder>();
+    ServerOptions options;
+    options.listen.clear();
+    options.data_dir = original_->path();
+    const auto server = Server::start(options);
+    ASSERT_OK(server);
     std::vector<v1::IngestShapesRequest::Item> items;
     for (int i = 0; i < 20; ++i) {
       items.push_back(ingestItemOf(i, numbered("e", i), smallMesh(20 * i)));
       items.back().set_label(i % 2 == 0 ? "even" : "odd");
       (*items.back().mutable_tags())["number"] = std::to_string(i);
     }
-    const auto outcomes = peer_->ingest(ingestHeader("c"), items);
+    const auto outcomes = Peer((*server)->inProcessChannel()).ingest(ingestHeader("c"), items);
     ASSERT_OK(outcomes);
     for (const auto& [index, outcome] : *outcomes) {
       ASSERT_EQ(outcome.outcome(), v1::IngestShapesResponse::ADDED) << outcome.message();
     }
+  }
+
+  static void TearDownTestSuite() { original_.reset(); }
+
+  void configure(ServerOptions& options) override {
+    std::filesystem::copy(original_->path(), options.data_dir,
+                          std::filesystem::copy_options::recursive);
   }
 
   Status deleteShape(const std::string& name) {
@@ -54,7 +68,11 @@ class CatalogTest : public ServiceTest {
     request.set_k(k);
     return request;
   }
+
+  static std::unique_ptr<TemporaryFolder> original_;
 };
+
+std::unique_ptr<TemporaryFolder> CatalogTest::original_;
 
 TEST_F(CatalogTest, CollectionsAreMadeFoundListedAndCounted) {
   ASSERT_OK(peer_->createCollection("b"));

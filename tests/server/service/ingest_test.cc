@@ -24,17 +24,17 @@ class IngestTest : public ServiceTest {
 
 TEST_F(IngestTest, EveryItemGetsItsOutcome) {
   std::vector<Request::Item> items;
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 30; ++i) {
     items.push_back(ingestItemOf(i, numbered("s", i), smallMesh(i)));
   }
   const auto outcomes = peer_->ingest(ingestHeader("c"), items);
   ASSERT_OK(outcomes);
-  ASSERT_EQ(outcomes->size(), 100U);
+  ASSERT_EQ(outcomes->size(), 30U);
   for (const auto& [index, outcome] : *outcomes) {
     EXPECT_EQ(outcome.outcome(), Outcome::ADDED) << outcome.message();
     EXPECT_EQ(outcome.name(), numbered("collections/c/shapes/s", index));
   }
-  EXPECT_EQ(peer_->listShapes("c")->size(), 100U);
+  EXPECT_EQ(peer_->listShapes("c")->size(), 30U);
 }
 
 TEST_F(IngestTest, AFailedItemStopsNoOther) {
@@ -132,7 +132,7 @@ TEST_F(IngestTest, NothingSentMakesAnEmptyCollection) {
 TEST_F(IngestTest, AFastSenderIsSlowedDownWhenNobodyReadsOutcomes) {
   grpc::ClientContext context;
   const auto stream = peer_->catalog().IngestShapes(&context);
-  constexpr int kItems = 100;
+  constexpr int kItems = 50;
   std::atomic<int> sent = 0;
   // 1 MiB each, so that what gRPC's own windows swallow is a small part of the whole.
   const std::string padding = std::string("\n#").append(1 << 20, ' ');
@@ -158,7 +158,7 @@ TEST_F(IngestTest, AFastSenderIsSlowedDownWhenNobodyReadsOutcomes) {
     const int sent_now = sent;
     largest_lead = std::max(largest_lead, sent_now - stored());
   }
-  EXPECT_LT(largest_lead, 40) << "items were buffered without bound";
+  EXPECT_LT(largest_lead, 30) << "items were buffered without bound";
   std::set<int> answered;
   for (Outcome outcome; stream->Read(&outcome);) answered.insert(outcome.index());
   sender.join();
@@ -168,7 +168,7 @@ TEST_F(IngestTest, AFastSenderIsSlowedDownWhenNobodyReadsOutcomes) {
 
 TEST_F(IngestTest, ACancelledStreamStoresWholeShapesOnlyAndGoesOnLater) {
   std::vector<Request::Item> items;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 30; ++i) {
     items.push_back(ingestItemOf(i, numbered("s", i), smallMesh(i)));
   }
   std::set<std::string> acknowledged;
@@ -195,7 +195,7 @@ TEST_F(IngestTest, ACancelledStreamStoresWholeShapesOnlyAndGoesOnLater) {
   }
   const auto shapes = peer_->listShapes("c");
   ASSERT_OK(shapes);
-  EXPECT_LT(shapes->size(), 60U);
+  EXPECT_LT(shapes->size(), 30U);
   std::set<std::string> stored;
   for (const v1::Shape& shape : *shapes) stored.insert(shape.name());
   for (const std::string& name : acknowledged) EXPECT_TRUE(stored.contains(name)) << name;
@@ -204,7 +204,7 @@ TEST_F(IngestTest, ACancelledStreamStoresWholeShapesOnlyAndGoesOnLater) {
   std::size_t skipped = 0;
   for (const auto& [index, outcome] : *outcomes) skipped += outcome.outcome() == Outcome::SKIPPED;
   EXPECT_GE(skipped, acknowledged.size());
-  EXPECT_EQ(peer_->listShapes("c")->size(), 60U);
+  EXPECT_EQ(peer_->listShapes("c")->size(), 30U);
 }
 
 TEST_F(IngestTest, SignaturesOfAnOldVersionAreMadeAnewFromTheStoredMeshes) {
