@@ -44,7 +44,9 @@ struct ShapeRecord {
   std::int64_t mesh_bytes = 0;
   TopologyKey topology;
   int descriptor_version = 0;
-  std::string signature;  ///< Serialized moduli.v1.Signature; empty in summaries.
+  /// Opaque here; the services keep a serialized moduli.v1.Shape with the signature and how the
+  /// mesh was prepared for it.
+  std::string signature;
   SearchVectors vectors;  ///< Read by putShape alone; empty in what the catalogue returns.
 };
 
