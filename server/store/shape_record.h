@@ -45,7 +45,7 @@ struct ShapeRecord {
   TopologyKey topology;
   int descriptor_version = 0;
   /// Opaque here; the services keep a serialized moduli.v1.Shape with the signature and how the
-  /// mesh was prepared for it.
+  /// mesh was prepared for it. Empty in summaries.
   std::string signature;
   SearchVectors vectors;  ///< Read by putShape alone; empty in what the catalogue returns.
 };
