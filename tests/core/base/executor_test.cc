@@ -35,8 +35,8 @@ TEST(Executor, RunsEveryAcceptedTaskOnce) {
 }
 
 TEST(Executor, InteractiveWorkOvertakesBulkWorkThatWaits) {
+  Gate gate;  // Outlives the threads that use it.
   Executor executor({.threads = 1, .queue_limit = 10});
-  Gate gate;
   ASSERT_OK(executor.submit(Priority::kBulk, gate.task()));
   gate.waitUntilEntered();
   std::vector<int> order;
@@ -50,8 +50,8 @@ TEST(Executor, InteractiveWorkOvertakesBulkWorkThatWaits) {
 }
 
 TEST(Executor, AFullQueueRefusesAtOnce) {
-  Executor executor({.threads = 1, .queue_limit = 2});
   Gate gate;
+  Executor executor({.threads = 1, .queue_limit = 2});
   ASSERT_OK(executor.submit(Priority::kBulk, gate.task()));
   gate.waitUntilEntered();
   EXPECT_EQ(executor.running(), 1U);
@@ -63,9 +63,9 @@ TEST(Executor, AFullQueueRefusesAtOnce) {
 }
 
 TEST(Executor, ShutdownRefusesNewWorkAndDropsWhatWaitsIfTold) {
-  Executor executor({.threads = 1, .queue_limit = 10});
   Gate gate;
   std::atomic<int> runs{0};
+  Executor executor({.threads = 1, .queue_limit = 10});
   ASSERT_OK(executor.submit(Priority::kBulk, gate.task()));
   gate.waitUntilEntered();
   for (int i = 0; i < 3; ++i) ASSERT_OK(executor.submit(Priority::kBulk, [&] { ++runs; }));
