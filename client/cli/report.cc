@@ -1,5 +1,7 @@
 #include "client/cli/report.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "client/cli/output.h"
@@ -53,14 +55,51 @@ std::string spectrumText(const google::protobuf::RepeatedField<double>& spectrum
   return spectrum.size() > kShown ? text + "  ... (" + std::to_string(spectrum.size()) + ")" : text;
 }
 
+std::string complexText(const v1::Complex& z) {
+  return brief(z.re()) + (z.im() < 0 ? " - " : " + ") + brief(std::abs(z.im())) + " i";
+}
+
+std::string errorText(bool has, double error) {
+  return has ? "   (error at most " + brief(error) + ")" : "";
+}
+
+// The matrix row by row while it fits a terminal, its size alone past that.
+std::string matrixLines(const v1::ConformalBlock& block) {
+  constexpr int kShown = 4;
+  const v1::ComplexMatrix& matrix = block.period_matrix();
+  const std::string size = std::to_string(matrix.size()) + " x " + std::to_string(matrix.size());
+  std::string text =
+      line("periods", size + errorText(block.has_period_error(), block.period_error()));
+  if (matrix.size() > kShown) return text;
+  for (int row = 0; row < matrix.size(); ++row) {
+    std::string entries;
+    for (int column = 0; column < matrix.size(); ++column) {
+      std::string entry = complexText(matrix.entries(row * matrix.size() + column));
+      entry.resize(std::max<std::size_t>(entry.size() + 2, 28), ' ');
+      entries += entry;
+    }
+    text += line("", entries.substr(0, entries.find_last_not_of(' ') + 1));
+  }
+  return text;
+}
+
 std::string conformalLines(const v1::ConformalBlock& block) {
   std::string text = line("type", v1::ConformalBlock::Type_Name(block.type()));
   if (block.has_tau()) {
-    const double im = block.tau().im();
-    std::string tau =
-        brief(block.tau().re()) + (im < 0 ? " - " : " + ") + brief(im < 0 ? -im : im) + " i";
-    if (block.has_tau_error()) tau += "   (error at most " + brief(block.tau_error()) + ")";
-    text += line("tau", tau);
+    text +=
+        line("tau", complexText(block.tau()) + errorText(block.has_tau_error(), block.tau_error()));
+  }
+  if (block.has_modulus()) {
+    text += line("modulus", brief(block.modulus()) +
+                                errorText(block.has_modulus_error(), block.modulus_error()));
+  }
+  if (block.has_period_matrix()) text += matrixLines(block);
+  if (block.energy_spectrum_size() > 0) {
+    std::string energies = spectrumText(block.energy_spectrum());
+    if (block.has_energy_spectrum_error()) {
+      energies += "   (relative error at most " + brief(block.energy_spectrum_error()) + ")";
+    }
+    text += line("energies", energies);
   }
   return text;
 }

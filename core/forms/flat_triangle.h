@@ -43,6 +43,12 @@ class TriangleFrame {
   }
 
   double area() const { return area_; }
+  /// The corner at which the longest side starts.
+  int base() const { return base_; }
+  /// The length of that side.
+  double length() const { return length_; }
+  /// Where the height meets it, as a fraction of it.
+  double foot() const { return foot_; }
   /// Distance of the third corner from the longest side.
   double height() const { return height_; }
 
@@ -57,7 +63,7 @@ class TriangleFrame {
   double length_;
   double area_;
   double height_;
-  double foot_ = 0;  ///< Where the height meets the longest side, as a fraction of it.
+  double foot_ = 0;
 };
 
 }  // namespace moduli

@@ -1,126 +1,204 @@
 #include "core/forms/harmonic.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/forms/cotan.h"
-#include "core/forms/flat_triangle.h"
 #include "core/linalg/spd_solver.h"
 
 namespace moduli {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+/// Right-hand sides solved together: enough for the dense kernels, few enough that the solver's
+/// copies stay small beside the factor.
+constexpr Eigen::Index kColumnsAtOnce = 8;
 
-/// -d0^T W cochain, without the row of vertex 0.
+/// -d0^T W cochain at every vertex.
 void addDivergence(const Connectivity& surface, const std::vector<double>& weights,
-                   const std::vector<int>& cochain, Eigen::Ref<Eigen::VectorXd> b) {
-  for (Index e = 0; e < surface.edgeCount(); ++e) {
-    if (cochain[e] == 0) continue;
-    const double flow = weights[e] * cochain[e];
-    const Index h = surface.halfedge(e);
-    if (surface.tail(h) > 0) b[surface.tail(h) - 1] += flow;
-    if (surface.head(h) > 0) b[surface.head(h) - 1] -= flow;
+                   const Cochain& cochain, Eigen::Ref<Eigen::VectorXd> b) {
+  for (const CochainTerm& term : cochain) {
+    const double flow = weights[term.edge] * static_cast<double>(term.value);
+    const Index h = surface.halfedge(term.edge);
+    b[surface.tail(h)] += flow;
+    b[surface.head(h)] -= flow;
   }
 }
 
-/// A sum whose rounding error does not grow with the number of terms (Neumaier).
-class ExactSum {
+/// Systems of the stiffness matrix in which one vertex is pinned to 0.
+class PinnedSystem {
  public:
-  void add(double x) {
-    const double sum = sum_ + x;
-    lost_ += std::abs(sum_) >= std::abs(x) ? (sum_ - sum) + x : (x - sum) + sum_;
-    sum_ = sum;
+  static Result<PinnedSystem> make(Context& context, const Connectivity& surface,
+                                   const std::vector<double>& weights, Index pinned) {
+    SparseMatrix matrix = pinnedStiffness(surface, weights, pinned);
+    ASSIGN_OR_RETURN(SpdSolver solver, SpdSolver::make(context, matrix));
+    return PinnedSystem(std::move(matrix), std::move(solver), pinned);
   }
-  double value() const { return sum_ + lost_; }
+
+  /// Keeps further vertices fixed, on the symbolic analysis that is there: their rows and columns
+  /// become those of a multiple of the identity.
+  Status fix(Context& context, const std::vector<bool>& fixed) {
+    const double unit = matrix_.diagonal().sum() / static_cast<double>(matrix_.rows());
+    fixed_.assign(matrix_.rows(), false);
+    for (Eigen::Index row = 0; row < matrix_.rows(); ++row) fixed_[row] = fixed[vertex(row)];
+    for (Eigen::Index column = 0; column < matrix_.outerSize(); ++column) {
+      for (SparseMatrix::InnerIterator it(matrix_, column); it; ++it) {
+        if (!fixed_[it.row()] && !fixed_[column]) continue;
+        it.valueRef() = it.row() == column ? unit : 0;
+      }
+    }
+    return solver_.refactorize(context, matrix_);
+  }
+
+  /// Adds to `potential` (V x k) the solutions for right-hand sides given by fill(column, b), b
+  /// being zero at first; 0 at fixed vertices, whatever stands there in b.
+  template <typename Fill>
+  Status solve(Context& context, const Fill& fill, RowMajorMatrix& potential) const {
+    Eigen::VectorXd full(potential.rows());
+    for (Eigen::Index first = 0; first < potential.cols(); first += kColumnsAtOnce) {
+      const Eigen::Index count = std::min(kColumnsAtOnce, potential.cols() - first);
+      Eigen::MatrixXd b(matrix_.rows(), count);
+      for (Eigen::Index k = 0; k < count; ++k) {
+        full.setZero();
+        fill(first + k, full);
+        for (Eigen::Index row = 0; row < b.rows(); ++row) {
+          b(row, k) = !fixed_.empty() && fixed_[row] ? 0 : full[vertex(row)];
+        }
+      }
+      ASSIGN_OR_RETURN(const Eigen::MatrixXd x, solver_.solve(context, b));
+      for (Eigen::Index row = 0; row < x.rows(); ++row) {
+        potential.row(vertex(row)).segment(first, count) += x.row(row);
+      }
+    }
+    return {};
+  }
+
+  double largestResidual() const { return solver_.largestResidual(); }
 
  private:
-  double sum_ = 0;
-  double lost_ = 0;
+  PinnedSystem(SparseMatrix matrix, SpdSolver solver, Index pinned)
+      : matrix_(std::move(matrix)), solver_(std::move(solver)), pinned_(pinned) {}
+  Eigen::Index vertex(Eigen::Index row) const { return row < pinned_ ? row : row + 1; }
+
+  SparseMatrix matrix_;
+  SpdSolver solver_;
+  Index pinned_;
+  std::vector<bool> fixed_;  ///< Per row; empty: none.
 };
+
+/// Solves for the potentials that make the forms of cochains harmonic.
+Status makeHarmonic(Context& context, const Connectivity& surface,
+                    const std::vector<double>& weights, const std::vector<Cochain>& cochains,
+                    const PinnedSystem& system, FormBasis& forms) {
+  return system.solve(
+      context,
+      [&](Eigen::Index k, Eigen::VectorXd& b) { addDivergence(surface, weights, cochains[k], b); },
+      forms.potential);
+}
+
+/// The functions that are 1 on one of the loops 1, 2, ... and 0 elsewhere, V x (b - 1).
+RowMajorMatrix loopIndicators(const Connectivity& surface,
+                              const std::vector<std::vector<Index>>& loops) {
+  RowMajorMatrix values =
+      RowMajorMatrix::Zero(surface.vertexCount(), static_cast<Eigen::Index>(loops.size()) - 1);
+  for (std::size_t k = 1; k < loops.size(); ++k) {
+    for (const Index h : loops[k]) {
+      values(surface.tail(h), static_cast<Eigen::Index>(k) - 1) = 1;
+    }
+  }
+  return values;
+}
+
+/// -L u at every vertex.
+void addLaplacian(const Connectivity& surface, const std::vector<double>& weights,
+                  const RowMajorMatrix& values, Eigen::Index column, Eigen::VectorXd& b) {
+  for (Index e = 0; e < surface.edgeCount(); ++e) {
+    const Index h = surface.halfedge(e);
+    const double flow =
+        weights[e] * (values(surface.head(h), column) - values(surface.tail(h), column));
+    b[surface.tail(h)] += flow;
+    b[surface.head(h)] -= flow;
+  }
+}
 
 }  // namespace
 
-ClosedForm combine(double a, const ClosedForm& x, double b, const ClosedForm& y) {
-  ClosedForm result = x;
-  for (std::size_t e = 0; e < result.cochain.size(); ++e) {
-    result.cochain[e] = a * x.cochain[e] + b * y.cochain[e];
-  }
-  for (std::size_t v = 0; v < result.potential.size(); ++v) {
-    result.potential[v] = a * x.potential[v] + b * y.potential[v];
-  }
-  return result;
-}
-
 Result<HarmonicForms> harmonicForms(Context& context, const Connectivity& surface,
                                     const std::vector<double>& weights,
-                                    const std::vector<std::vector<int>>& cochains) {
-  ASSIGN_OR_RETURN(const SpdSolver solver,
-                   SpdSolver::make(context, pinnedStiffness(surface, weights, 0)));
-  const auto count = static_cast<Eigen::Index>(cochains.size());
-  Eigen::MatrixXd b = Eigen::MatrixXd::Zero(surface.vertexCount() - 1, count);
-  for (Eigen::Index a = 0; a < count; ++a) {
-    addDivergence(surface, weights, cochains[a], b.col(a));
-  }
-  ASSIGN_OR_RETURN(const Eigen::MatrixXd f, solver.solve(context, b));
-  HarmonicForms result;
-  result.solver_residual = solver.largestResidual();
-  for (Eigen::Index a = 0; a < count; ++a) {
-    ClosedForm form;
-    form.cochain.assign(cochains[a].begin(), cochains[a].end());
-    form.potential.assign(surface.vertexCount(), 0.0);
-    std::copy(f.col(a).begin(), f.col(a).end(), form.potential.begin() + 1);
-    result.forms.push_back(std::move(form));
-  }
+                                    const std::vector<Cochain>& cochains) {
+  HarmonicForms result{cochainForms(surface, cochains), 0};
+  ASSIGN_OR_RETURN(const PinnedSystem system, PinnedSystem::make(context, surface, weights, 0));
+  RETURN_IF_ERROR(makeHarmonic(context, surface, weights, cochains, system, result.forms));
+  result.solver_residual = system.largestResidual();
   return result;
 }
 
-EnergyForm energyForm(const Connectivity& surface, const std::vector<double>& lengths,
-                      const std::vector<ClosedForm>& forms) {
-  const std::size_t count = forms.size();
-  std::vector<ExactSum> sums(count * count);
-  std::vector<double> defects(count, 0.0);
-  std::vector<Eigen::Vector2d> gradients(count);
-  for (Index f = 0; f < surface.faceCount(); ++f) {
-    const std::array<Index, 3> edges{surface.edge(3 * f), surface.edge(3 * f + 1),
-                                     surface.edge(3 * f + 2)};
-    const TriangleFrame frame({lengths[edges[0]], lengths[edges[1]], lengths[edges[2]]});
-    for (std::size_t a = 0; a < count; ++a) {
-      std::array<double, 3> along{};
-      double size = 0;  // Of the numbers whose rounding enters the gradient.
-      for (int c = 0; c < 3; ++c) {
-        const double value = forms[a].onEdge(surface, edges[c]);
-        along[c] = surface.sign(3 * f + c) * value;
-        size = std::max(size, std::abs(value) + 2 * std::abs(forms[a].cochain[edges[c]]));
-      }
-      gradients[a] = frame.gradient(along);
-      // Rounding moves the gradient by a few units of |gradient| along the longest side and of
-      // size / height across it.
-      const double defect = 8 * kEpsilon * (gradients[a].norm() + size / frame.height());
-      defects[a] += frame.area() * defect * defect;
-      for (std::size_t b = 0; b <= a; ++b) {
-        sums[a * count + b].add(frame.area() * gradients[a].dot(gradients[b]));
-      }
+Eigen::MatrixXd fluxEnergy(const Connectivity& surface, const std::vector<double>& weights,
+                           const std::vector<Cochain>& cochains, const FormBasis& forms) {
+  const Eigen::Index count = forms.count();
+  Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index a = 0; a < count; ++a) {
+    for (const CochainTerm& term : cochains[a]) {
+      const double flow = weights[term.edge] * static_cast<double>(term.value);
+      const Index h = surface.halfedge(term.edge);
+      energy.row(a) +=
+          flow * (forms.potential.row(surface.head(h)) - forms.potential.row(surface.tail(h)) +
+                  forms.jumps.row(forms.seam[term.edge]));
     }
   }
-  EnergyForm result;
-  result.energy.resize(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
-  for (std::size_t a = 0; a < count; ++a) {
-    for (std::size_t b = 0; b <= a; ++b) {
-      const auto i = static_cast<Eigen::Index>(a);
-      const auto j = static_cast<Eigen::Index>(b);
-      result.energy(i, j) = result.energy(j, i) = sums[a * count + b].value();
-    }
+  return (energy + energy.transpose()) / 2;
+}
+
+Result<RowMajorMatrix> harmonicFunctions(Context& context, const Connectivity& surface,
+                                         const std::vector<double>& weights,
+                                         const std::vector<bool>& fixed, RowMajorMatrix values) {
+  for (Index v = 0; v < surface.vertexCount(); ++v) {
+    if (!fixed[v]) values.row(v).setZero();
   }
-  // |<x + dx, y + dy> - <x, y>| <= |dx| |y| + |x| |dy| to first order, by Cauchy and Schwarz; the
-  // areas and the sums add some units in the last place.
-  for (std::size_t a = 0; a < count; ++a) {
-    const auto i = static_cast<Eigen::Index>(a);
-    const double relative = std::sqrt(defects[a] / result.energy(i, i));
-    result.rounding = std::max(result.rounding, 2 * relative + 16 * kEpsilon);
-  }
+  const auto pinned = std::find(fixed.begin(), fixed.end(), true) - fixed.begin();
+  ASSIGN_OR_RETURN(PinnedSystem system,
+                   PinnedSystem::make(context, surface, weights, static_cast<Index>(pinned)));
+  RETURN_IF_ERROR(system.fix(context, fixed));
+  const RowMajorMatrix given = values;
+  RETURN_IF_ERROR(system.solve(
+      context,
+      [&](Eigen::Index k, Eigen::VectorXd& b) { addLaplacian(surface, weights, given, k, b); },
+      values));
+  return values;
+}
+
+Result<BorderedForms> borderedHarmonicForms(Context& context, const Connectivity& surface,
+                                            const std::vector<double>& weights,
+                                            const BorderedCohomology& cohomology,
+                                            const std::vector<std::vector<Index>>& boundary_loops) {
+  const auto handles = static_cast<Eigen::Index>(cohomology.handles.size());
+  const auto loops = static_cast<Eigen::Index>(cohomology.loops.size());
+  std::vector<Cochain> tangential = cohomology.handles;
+  tangential.insert(tangential.end(), cohomology.loops.begin(), cohomology.loops.end());
+  // A pinned vertex on the boundary serves both kinds.
+  const Index pinned = surface.tail(boundary_loops[0][0]);
+  ASSIGN_OR_RETURN(PinnedSystem system, PinnedSystem::make(context, surface, weights, pinned));
+  BorderedForms result{cochainForms(surface, tangential), {}, 0};
+  RETURN_IF_ERROR(makeHarmonic(context, surface, weights, tangential, system, result.tangential));
+
+  std::vector<Cochain> normal = cohomology.handles;
+  normal.resize(handles + loops);  // The functions u_k have no jumps.
+  result.normal = cochainForms(surface, normal);
+  const RowMajorMatrix indicators = loopIndicators(surface, boundary_loops);
+  result.normal.potential.rightCols(loops) = indicators;
+  std::vector<bool> fixed(surface.vertexCount());
+  for (Index v = 0; v < surface.vertexCount(); ++v) fixed[v] = surface.isBoundaryVertex(v);
+  RETURN_IF_ERROR(system.fix(context, fixed));
+  RETURN_IF_ERROR(system.solve(
+      context,
+      [&](Eigen::Index k, Eigen::VectorXd& b) {
+        if (k < handles) {
+          addDivergence(surface, weights, normal[k], b);
+        } else {
+          addLaplacian(surface, weights, indicators, k - handles, b);
+        }
+      },
+      result.normal.potential));
+  result.solver_residual = system.largestResidual();
   return result;
 }
 

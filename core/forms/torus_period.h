@@ -16,8 +16,9 @@ struct TorusPeriod {
   /// given discrete metric itself (not to a smooth surface that it may approximate). Rounding is
   /// included, so it is never 0.
   double tau_error = 0;
-  Eigen::Matrix2d energy;      ///< E_h of the harmonic basis, symplectic marking (alpha, beta).
-  double determinant_gap = 0;  ///< det E_h - 1 >= 0, exactly 0 on flat tori.
+  Eigen::Matrix2d energy;      ///< Symplectic energy form in the marking of tau: see PeriodMatrix.
+  double spread = 0;           ///< Certified, relative: see PeriodMatrix.
+  double determinant_gap = 0;  ///< det E_h - 1 >= 0 of the harmonic forms, 0 on flat tori.
   /// Area-form check of the holomorphic form: | |zeta|^2 / 2 - Im tau | / Im tau.
   double riemann_residual = 0;
   /// The holomorphic form as a complex number per edge, along the edge's direction. Its periods
@@ -31,9 +32,8 @@ struct TorusPeriod {
 /// triangles). tau by the symplectic projection of the harmonic energy; error from 1 <= det E_h:
 /// d_H(tau, exact) <= log(det E_h) / 2. Exact to rounding on flat tori, O(h^2) on smooth ones.
 /// Fails with kUnsupportedTopology (other genus, boundary, several components), as SpdSolver does,
-/// and with kResidualTooLarge or kNoConvergence where the torus is too thin for double precision.
-/// One factorization and two right-hand sides. Stages "cohomology", "period" and those of
-/// SpdSolver. Source: MATH 3.
+/// and as computePeriods where the torus is too thin for double precision. One factorization and
+/// two right-hand sides. Stages as computePeriods. Source: MATH 3.
 Result<TorusPeriod> computeTorusPeriod(Context& context, const Connectivity& surface,
                                        const std::vector<double>& lengths);
 

@@ -10,10 +10,10 @@
 
 #include "core/base/text.h"
 #include "core/forms/cotan.h"
-#include "core/forms/modular.h"
 #include "core/forms/torus_period.h"
 #include "core/intrinsic/mollify.h"
 #include "core/signature/amplitudes.h"
+#include "core/signature/conformal_block.h"
 #include "core/signature/mean_curvature.h"
 #include "core/signature/spectra.h"
 #include "core/spherical/face_frame.h"
@@ -41,10 +41,17 @@ class SignatureBuilder {
   Result<Signature> build() {
     RETURN_IF_ERROR(describeTopology());
     signature_.certificate.warnings = prepared_.warnings;
-    const bool sphere = signature_.topology.genus == 0;
-    RETURN_IF_ERROR(sphere ? signSphere() : signTorus());
+    switch (conformalTypeOf(signature_.topology.genus, signature_.topology.boundary_loops)) {
+      case ConformalType::kSphere:
+        RETURN_IF_ERROR(signSphere());
+        break;
+      case ConformalType::kTorus:
+        RETURN_IF_ERROR(signTorus());
+        break;
+      default:
+        RETURN_IF_ERROR(signPeriods());
+    }
     fillVectors();
-    if (wants(Space::kConformal)) signature_.conformal = conformal_;
     signature_.timing = context_.timing();
     return std::move(signature_);
   }
@@ -65,19 +72,40 @@ class SignatureBuilder {
     block.boundary_loops = static_cast<Index>(topology.boundary_loops.size());
     block.euler_characteristic = topology.euler_characteristic;
     block.area = mesh_.area();
-    if (block.components == 1 && block.boundary_loops == 0 && block.genus <= 1) return {};
-    return {
-        Reason::kUnsupportedTopology,
-        "genus " + std::to_string(block.genus) + " with " + std::to_string(block.boundary_loops) +
-            " boundary loops" +
-            (block.components == 1 ? ""
-                                   : " in " + std::to_string(block.components) + " components") +
-            ": signatures of this topology are not available yet",
-        "closed connected surfaces of genus 0 and 1 have signatures"};
+    if (block.components == 1) return {};
+    return {Reason::kUnsupportedTopology,
+            "the surface has " + std::to_string(block.components) + " components instead of 1",
+            "sign one of them"};
+  }
+
+  /// Every other type: its periods, and no map to a canonical domain yet.
+  Status signPeriods() {
+    const SignatureTopology& topology = signature_.topology;
+    const std::string surface_name = "genus " + std::to_string(topology.genus) + " with " +
+                                     std::to_string(topology.boundary_loops) + " boundary loops";
+    if (!wants(Space::kConformal)) {
+      return {Reason::kUnsupportedTopology,
+              surface_name + ": the metric and shape spaces of this topology are not available yet",
+              "its conformal space is; closed surfaces of genus 0 and 1 have all three"};
+    }
+    if (wantsFields()) {
+      signature_.certificate.warnings.push_back("SPACES_OMITTED: the metric and shape spaces of " +
+                                                surface_name + " are not available yet");
+    }
+    RETURN_IF_ERROR(makeMetric());
+    ASSIGN_OR_RETURN(CertifiedConformalBlock certified,
+                     computeConformalBlock(context_, surface(), topology, lengths_));
+    signature_.conformal = std::move(certified.block);
+    SignatureCertificate& certificate = signature_.certificate;
+    certificate.riemann_bilinear_residual = certified.riemann_bilinear_residual;
+    certificate.period_symmetry_residual = certified.period_symmetry_residual;
+    certificate.warnings.insert(certificate.warnings.end(), certified.warnings.begin(),
+                                certified.warnings.end());
+    return {};
   }
 
   Status signSphere() {
-    conformal_.type = ConformalType::kSphere;
+    keepConformal(ConformalBlock());  // All spheres are conformally one.
     if (!wantsFields()) return {};
     RETURN_IF_ERROR(makeMetric());
     ASSIGN_OR_RETURN(const SphereMap map, mapToSphereLinear(context_, surface(), lengths_));
@@ -95,12 +123,10 @@ class SignatureBuilder {
   }
 
   Status signTorus() {
-    conformal_.type = ConformalType::kTorus;
     RETURN_IF_ERROR(makeMetric());
     ASSIGN_OR_RETURN(const TorusPeriod period, computeTorusPeriod(context_, surface(), lengths_));
     RETURN_IF_ERROR(certifyTorus(period));
-    conformal_.tau = period.tau;
-    conformal_.tau_error = period.tau_error;
+    RETURN_IF_ERROR(describeTorus(period));
     if (!wantsFields()) return {};
 
     const std::vector<std::complex<double>> corners = layOutTorus(surface(), period);
@@ -110,6 +136,23 @@ class SignatureBuilder {
                      torusSpectra(context_, surface(), corners, period.tau, fields));
     keepSpectra(std::move(spectra));
     return {};
+  }
+
+  Status describeTorus(const TorusPeriod& period) {
+    ConformalBlock block;
+    block.type = ConformalType::kTorus;
+    block.tau = period.tau;
+    block.tau_error = period.tau_error;
+    if (!wants(Space::kConformal)) return {};
+    ASSIGN_OR_RETURN(const std::optional<std::string> warning,
+                     addEnergySpectrum(context_, period.energy, period.spread, block));
+    if (warning) signature_.certificate.warnings.push_back(*warning);
+    keepConformal(std::move(block));
+    return {};
+  }
+
+  void keepConformal(ConformalBlock block) {
+    if (wants(Space::kConformal)) signature_.conformal = std::move(block);
   }
 
   Status makeMetric() {
@@ -242,11 +285,8 @@ class SignatureBuilder {
       for (const double number : numbers) result.push_back(static_cast<float>(number));
       return result;
     };
-    if (wants(Space::kConformal)) {
-      // All spheres are one class; an index needs a coordinate all the same.
-      vectors.conformal = conformal_.type == ConformalType::kTorus
-                              ? narrow(modularFeatures(*conformal_.tau))
-                              : std::vector<float>{0.0F};
+    if (signature_.conformal) {
+      vectors.conformal = narrow(conformalCoordinates(*signature_.conformal));
     }
     if (wants(Space::kMetric)) vectors.metric = narrow(metricAmplitudes(metric_));
     if (wants(Space::kShape)) vectors.shape = narrow(shapeAmplitudes(metric_, shape_));
@@ -257,7 +297,6 @@ class SignatureBuilder {
   const TriangleMesh& mesh_;
   const SignatureOptions& options_;
   std::vector<double> lengths_;
-  ConformalBlock conformal_;
   MetricBlock metric_;
   ShapeBlock shape_;
   Signature signature_;

@@ -1,30 +1,34 @@
 #include "core/signature/distance.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/forms/modular.h"
 #include "core/signature/amplitudes.h"
+#include "core/signature/conformal_block.h"
 
 namespace moduli {
 namespace {
 
+bool sameTopology(const Signature& a, const Signature& b) {
+  return a.conformal->type == b.conformal->type && a.topology.genus == b.topology.genus &&
+         a.topology.boundary_loops == b.topology.boundary_loops;
+}
+
 std::optional<double> conformalDistance(const Signature& a, const Signature& b) {
-  if (!a.conformal || !b.conformal || a.conformal->type != b.conformal->type) return std::nullopt;
-  switch (a.conformal->type) {
-    case ConformalType::kSphere:
-      return 0.0;  // All spheres are conformally one.
-    case ConformalType::kTorus:
-      if (!a.conformal->tau || !b.conformal->tau) return std::nullopt;
-      if (*a.conformal->tau == *b.conformal->tau) return 0.0;
-      return teichmullerDistance(*a.conformal->tau, *b.conformal->tau);
-    case ConformalType::kDisk:
-    case ConformalType::kAnnulus:
-    case ConformalType::kCircleDomain:
-    case ConformalType::kHyperbolic:
-    case ConformalType::kBordered:
-      return std::nullopt;
+  if (!a.conformal || !b.conformal || !sameTopology(a, b)) return std::nullopt;
+  if (a.conformal->type == ConformalType::kTorus) {
+    if (!a.conformal->tau || !b.conformal->tau) return std::nullopt;
+    if (*a.conformal->tau == *b.conformal->tau) return 0.0;
+    return teichmullerDistance(*a.conformal->tau, *b.conformal->tau);
   }
-  return std::nullopt;
+  const std::vector<double> x = conformalCoordinates(*a.conformal);
+  const std::vector<double> y = conformalCoordinates(*b.conformal);
+  if (x.empty() || x.size() != y.size()) return std::nullopt;
+  double largest = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) largest = std::max(largest, std::abs(x[i] - y[i]));
+  return largest;
 }
 
 std::optional<double> amplitudeDistance(const Signature& a, const Signature& b, Space space) {

@@ -8,7 +8,9 @@ namespace moduli {
 
 /// Distances of two signatures; a space where none is defined is empty.
 struct SignatureDistances {
-  /// Spheres: 0. Tori: the Teichmüller distance. Different types: empty.
+  /// Spheres, disks: 0. Tori, annuli: the Teichmüller distance. Other types: the lower bound of it
+  /// that the energy spectra give, the largest |log(energy_1 / energy_2)| / 2; 0 for equal spectra.
+  /// Different types, genera or numbers of boundary loops: empty.
   std::optional<double> conformal;
   std::optional<double> metric;  ///< Euclidean distance of the amplitude spectra.
   std::optional<double> shape;

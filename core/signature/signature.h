@@ -14,7 +14,7 @@
 namespace moduli {
 
 /// Raised whenever the same mesh would get other numbers than before.
-inline constexpr int kDescriptorVersion = 1;
+inline constexpr int kDescriptorVersion = 2;
 
 enum class ConformalType : std::uint8_t {
   kSphere,
@@ -35,10 +35,27 @@ struct SignatureTopology {
   double area = 0;  ///< Squared model units.
 };
 
+/// A square matrix of periods, row by row.
+struct PeriodEntries {
+  Index size = 0;
+  std::vector<std::complex<double>> values;  ///< size * size.
+};
+
+/// What no change that keeps angles alters. Errors are certified bounds for the polyhedral metric
+/// of the mesh. Where there is a boundary, periods are those of the double.
 struct ConformalBlock {
   ConformalType type = ConformalType::kSphere;
   std::optional<std::complex<double>> tau;  ///< Torus: reduced to the fundamental domain.
-  std::optional<double> tau_error;          ///< Torus: certified bound, see TorusPeriod.
+  std::optional<double> tau_error;          ///< Of |tau - exact|.
+  std::optional<double> modulus;            ///< Annulus: log(r_out / r_in) / (2 pi).
+  std::optional<double> modulus_error;
+  /// Hyperbolic, circle domain, bordered: symmetric, Im > 0, Siegel-reduced.
+  std::optional<PeriodEntries> period_matrix;
+  std::optional<double> period_error;  ///< Of each entry, in the same marking.
+  /// All with periods: the kEnergySpectrumLength smallest energies of primitive integer classes,
+  /// +-n once, ascending. Empty where their enumeration takes too long.
+  std::vector<double> energy_spectrum;
+  std::optional<double> energy_spectrum_error;  ///< Of each energy, relative.
 };
 
 /// What bending without stretching keeps.
@@ -62,6 +79,7 @@ struct SearchVectors {
 /// Residuals and quality figures, computed from the final numbers. Empty where one does not apply.
 struct SignatureCertificate {
   std::optional<double> riemann_bilinear_residual;
+  std::optional<double> period_symmetry_residual;
   std::optional<double> layout_closure;
   std::optional<int> flipped_faces;
   std::optional<double> max_dilatation, mean_dilatation;

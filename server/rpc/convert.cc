@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <string>
+
+#include "core/signature/conformal_block.h"
 
 namespace moduli {
 namespace {
 
 // Far above any signature of ours; guards the indexes against hostile ones.
 constexpr int kMaxArray = 4096;
+constexpr int kMaxMatrix = kMaxPeriodGenus;
 
 v1::Topology toProto(const SurfaceCounts& counts) {
   v1::Topology topology;
@@ -61,6 +65,14 @@ bool sound(const Numbers& numbers) {
          std::all_of(numbers.begin(), numbers.end(), [](auto x) { return std::isfinite(x); });
 }
 
+bool sound(const v1::ComplexMatrix& matrix) {
+  return matrix.size() >= 1 && matrix.size() <= kMaxMatrix &&
+         matrix.entries_size() == matrix.size() * matrix.size() &&
+         std::all_of(matrix.entries().begin(), matrix.entries().end(), [](const v1::Complex& z) {
+           return std::isfinite(z.re()) && std::isfinite(z.im());
+         });
+}
+
 Status checkSignature(const v1::Signature& message) {
   const auto refuse = [](const std::string& what) {
     return Status(Reason::kInvalidRequest, "not a signature: " + what,
@@ -86,8 +98,20 @@ Status checkSignature(const v1::Signature& message) {
                             block.tau().im() <= 0)) {
       return refuse("tau is not in the upper half-plane");
     }
-    if (block.has_tau_error() && !std::isfinite(block.tau_error())) {
-      return refuse("tau_error is not finite");
+    if (!std::isfinite(block.tau_error()) || !std::isfinite(block.modulus_error()) ||
+        !std::isfinite(block.period_error()) || !std::isfinite(block.energy_spectrum_error())) {
+      return refuse("an error of its conformal block is not finite");
+    }
+    if (block.has_modulus() && !(std::isfinite(block.modulus()) && block.modulus() > 0)) {
+      return refuse("its modulus is not a positive number");
+    }
+    if (block.has_period_matrix() && !sound(block.period_matrix())) {
+      return refuse("its period matrix has a wrong size or entries that are not finite");
+    }
+    if (!sound(block.energy_spectrum()) ||
+        std::any_of(block.energy_spectrum().begin(), block.energy_spectrum().end(),
+                    [](double energy) { return energy <= 0; })) {
+      return refuse("its energy spectrum holds what is not a positive number, or too much");
     }
   }
   const v1::SearchVectors& vectors = message.vectors();
@@ -110,6 +134,9 @@ v1::SignatureCertificate toProto(const SignatureCertificate& certificate) {
   if (certificate.riemann_bilinear_residual) {
     message.set_riemann_bilinear_residual(*certificate.riemann_bilinear_residual);
   }
+  if (certificate.period_symmetry_residual) {
+    message.set_period_symmetry_residual(*certificate.period_symmetry_residual);
+  }
   if (certificate.layout_closure) message.set_layout_closure(*certificate.layout_closure);
   if (certificate.flipped_faces) message.set_flipped_faces(*certificate.flipped_faces);
   if (certificate.max_dilatation) message.set_max_dilatation(*certificate.max_dilatation);
@@ -124,6 +151,9 @@ SignatureCertificate fromProto(const v1::SignatureCertificate& message) {
   SignatureCertificate certificate;
   if (message.has_riemann_bilinear_residual()) {
     certificate.riemann_bilinear_residual = message.riemann_bilinear_residual();
+  }
+  if (message.has_period_symmetry_residual()) {
+    certificate.period_symmetry_residual = message.period_symmetry_residual();
   }
   if (message.has_layout_closure()) certificate.layout_closure = message.layout_closure();
   if (message.has_flipped_faces()) certificate.flipped_faces = message.flipped_faces();
@@ -153,7 +183,48 @@ ConformalBlock fromProto(const v1::ConformalBlock& message) {
   block.type = static_cast<ConformalType>(static_cast<int>(message.type()) - 1);
   if (message.has_tau()) block.tau = {message.tau().re(), message.tau().im()};
   if (message.has_tau_error()) block.tau_error = message.tau_error();
+  if (message.has_modulus()) block.modulus = message.modulus();
+  if (message.has_modulus_error()) block.modulus_error = message.modulus_error();
+  if (message.has_period_matrix()) {
+    PeriodEntries& entries = block.period_matrix.emplace();
+    entries.size = message.period_matrix().size();
+    for (const v1::Complex& z : message.period_matrix().entries()) {
+      entries.values.emplace_back(z.re(), z.im());
+    }
+  }
+  if (message.has_period_error()) block.period_error = message.period_error();
+  block.energy_spectrum.assign(message.energy_spectrum().begin(), message.energy_spectrum().end());
+  if (message.has_energy_spectrum_error()) {
+    block.energy_spectrum_error = message.energy_spectrum_error();
+  }
   return block;
+}
+
+v1::ConformalBlock toProto(const ConformalBlock& block) {
+  v1::ConformalBlock message;
+  message.set_type(shifted<v1::ConformalBlock::Type>(block.type));
+  if (block.tau) {
+    message.mutable_tau()->set_re(block.tau->real());
+    message.mutable_tau()->set_im(block.tau->imag());
+  }
+  if (block.tau_error) message.set_tau_error(*block.tau_error);
+  if (block.modulus) message.set_modulus(*block.modulus);
+  if (block.modulus_error) message.set_modulus_error(*block.modulus_error);
+  if (block.period_matrix) {
+    v1::ComplexMatrix& matrix = *message.mutable_period_matrix();
+    matrix.set_size(block.period_matrix->size);
+    for (const std::complex<double>& value : block.period_matrix->values) {
+      v1::Complex& entry = *matrix.add_entries();
+      entry.set_re(value.real());
+      entry.set_im(value.imag());
+    }
+  }
+  if (block.period_error) message.set_period_error(*block.period_error);
+  append(block.energy_spectrum, *message.mutable_energy_spectrum());
+  if (block.energy_spectrum_error) {
+    message.set_energy_spectrum_error(*block.energy_spectrum_error);
+  }
+  return message;
 }
 
 }  // namespace
@@ -182,13 +253,7 @@ v1::Signature toProto(const Signature& signature) {
   v1::Signature message;
   *message.mutable_topology() = toProto(signature.topology);
   if (signature.conformal) {
-    v1::ConformalBlock& block = *message.mutable_conformal();
-    block.set_type(shifted<v1::ConformalBlock::Type>(signature.conformal->type));
-    if (signature.conformal->tau) {
-      block.mutable_tau()->set_re(signature.conformal->tau->real());
-      block.mutable_tau()->set_im(signature.conformal->tau->imag());
-    }
-    if (signature.conformal->tau_error) block.set_tau_error(*signature.conformal->tau_error);
+    *message.mutable_conformal() = toProto(*signature.conformal);
   }
   if (signature.metric) {
     append(signature.metric->conformal_factor_spectrum,

@@ -79,8 +79,9 @@ class Search {
     if (query_.k == 0) return Status(Reason::kInvalidOption, "k is at least 1");
     ASSIGN_OR_RETURN(collection_, catalog_.getCollection(query_.collection));
     if (query_.space == Space::kConformal &&
-        query_.type == conformalTypeName(ConformalType::kSphere)) {
-      return firstSpheres();
+        (query_.type == conformalTypeName(ConformalType::kSphere) ||
+         query_.type == conformalTypeName(ConformalType::kDisk))) {
+      return firstOfClass();
     }
     RETURN_IF_ERROR(applyFilter());
     for (int attempt = 1;; ++attempt) {
@@ -95,8 +96,8 @@ class Search {
   }
 
  private:
-  // All spheres are conformally the same: the first names win.
-  Result<SearchAnswer> firstSpheres() {
+  // All spheres are conformally the same, and all disks: the first names win.
+  Result<SearchAnswer> firstOfClass() {
     SearchAnswer answer;
     const auto take = [&](const ShapeRecord& shape) {
       if (shape.topology.type == query_.type &&

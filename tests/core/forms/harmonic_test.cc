@@ -19,7 +19,7 @@ MetricSurface genusTwo() {
 }
 
 struct Basis {
-  std::vector<std::vector<int>> cochains;
+  std::vector<Cochain> cochains;
   HarmonicForms harmonic;
 };
 
@@ -40,19 +40,19 @@ TEST(HarmonicForms, AreClosedAndCoclosedInTheirClass) {
     const auto basis = harmonicBasis(mesh);
     ASSERT_OK(basis);
     EXPECT_LT(basis->harmonic.solver_residual, 1e-15);
-    for (const ClosedForm& form : basis->harmonic.forms) {
+    const FormBasis& forms = basis->harmonic.forms;
+    for (Eigen::Index a = 0; a < forms.count(); ++a) {
       for (Index h = 0; h < surface.halfedgeCount(); h += 3) {
         double around = 0;
-        for (Index k = h; k < h + 3; ++k) {
-          around += surface.sign(k) * form.onEdge(surface, surface.edge(k));
-        }
+        for (Index k = h; k < h + 3; ++k) around += forms.along(surface, k, a);
         EXPECT_NEAR(around, 0, 1e-14);
       }
       Eigen::VectorXd divergence = Eigen::VectorXd::Zero(surface.vertexCount());
       for (Index e = 0; e < surface.edgeCount(); ++e) {
-        const double flow = weights[e] * form.onEdge(surface, e);
-        divergence[surface.tail(surface.halfedge(e))] -= flow;
-        divergence[surface.head(surface.halfedge(e))] += flow;
+        const Index h = surface.halfedge(e);
+        const double flow = weights[e] * forms.along(surface, h, a);
+        divergence[surface.tail(h)] -= flow;
+        divergence[surface.head(h)] += flow;
       }
       EXPECT_LT(divergence.cwiseAbs().maxCoeff(), 1e-12);
     }
@@ -66,17 +66,18 @@ TEST(EnergyForm, EqualsTheCotanSumOnOrdinaryMeshes) {
   ASSERT_OK(basis);
   const auto& forms = basis->harmonic.forms;
   const EnergyForm form = energyForm(mesh.surface, mesh.lengths, forms);
-  for (std::size_t a = 0; a < forms.size(); ++a) {
-    for (std::size_t b = 0; b < forms.size(); ++b) {
+  for (Eigen::Index a = 0; a < forms.count(); ++a) {
+    for (Eigen::Index b = 0; b < forms.count(); ++b) {
       double sum = 0;
       for (Index e = 0; e < mesh.surface.edgeCount(); ++e) {
-        sum += weights[e] * forms[a].onEdge(mesh.surface, e) * forms[b].onEdge(mesh.surface, e);
+        const Index h = mesh.surface.halfedge(e);
+        sum += weights[e] * forms.along(mesh.surface, h, a) * forms.along(mesh.surface, h, b);
       }
-      const auto i = static_cast<Eigen::Index>(a);
-      const auto j = static_cast<Eigen::Index>(b);
-      EXPECT_NEAR(form.energy(i, j), sum, 1e-12);
+      EXPECT_NEAR(form.energy(a, b), sum, 1e-12);
     }
   }
+  const Eigen::MatrixXd flux = fluxEnergy(mesh.surface, weights, basis->cochains, forms);
+  EXPECT_LT((form.energy - flux).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_GT(form.rounding, 1e-16);
   EXPECT_LT(form.rounding, 1e-12);
 }
@@ -90,13 +91,8 @@ TEST(EnergyForm, BoundsItselfFromBothSidesOnGenusTwo) {
     const auto basis = harmonicBasis(mesh);
     ASSERT_OK(basis);
     ASSERT_EQ(basis->cochains.size(), 4U);
-    Eigen::Matrix4d J;
-    for (int a = 0; a < 4; ++a) {
-      for (int b = 0; b < 4; ++b) {
-        J(a, b) = static_cast<double>(
-            intersectionNumber(mesh.surface, basis->cochains[a], basis->cochains[b]));
-      }
-    }
+    const Eigen::Matrix4d J =
+        intersectionMatrix(mesh.surface, basis->cochains, basis->cochains).cast<double>();
     EXPECT_NEAR(J.determinant(), 1, 1e-12);
     const Eigen::Matrix4d E = energyForm(mesh.surface, mesh.lengths, basis->harmonic.forms).energy;
     const Eigen::Matrix4d gap = E - J * E.inverse() * J.transpose();
@@ -113,23 +109,54 @@ TEST(EnergyForm, AnyFormOfTheClassHasMoreEnergy) {
   const MetricSurface mesh = torusOfRevolution(2, 1, 12, 9);
   const auto basis = harmonicBasis(mesh);
   ASSERT_OK(basis);
-  const ClosedForm& harmonic = basis->harmonic.forms[0];
-  ClosedForm other = harmonic;
+  FormBasis other = basis->harmonic.forms;
   std::mt19937 random(1);
-  for (double& value : other.potential) value += 0.01 * uniform(random);
-  EXPECT_GT(energyForm(mesh.surface, mesh.lengths, {other}).energy(0, 0),
-            energyForm(mesh.surface, mesh.lengths, {harmonic}).energy(0, 0));
+  for (double& value : other.potential.reshaped()) value += 0.01 * uniform(random);
+  const Eigen::MatrixXd least =
+      energyForm(mesh.surface, mesh.lengths, basis->harmonic.forms).energy;
+  const Eigen::MatrixXd more = energyForm(mesh.surface, mesh.lengths, other).energy;
+  EXPECT_GT(more(0, 0), least(0, 0));
+  EXPECT_GT(more(1, 1), least(1, 1));
 }
 
-TEST(ClosedForms, CombineLinearly) {
+TEST(FormBasis, ChangesLinearly) {
   const MetricSurface mesh = torusOfRevolution(2, 1, 12, 9);
   const auto basis = harmonicBasis(mesh);
   ASSERT_OK(basis);
-  const auto& [x, y] = std::pair(basis->harmonic.forms[0], basis->harmonic.forms[1]);
-  const ClosedForm sum = combine(3, x, -2, y);
-  for (Index e = 0; e < mesh.surface.edgeCount(); ++e) {
-    EXPECT_NEAR(sum.onEdge(mesh.surface, e),
-                3 * x.onEdge(mesh.surface, e) - 2 * y.onEdge(mesh.surface, e), 1e-14);
+  const FormBasis& forms = basis->harmonic.forms;
+  IntegerMatrix change(3, 2);
+  change << 3, -2, 0, 1, -7, 5;
+  const auto changed = changeBasis(forms, change);
+  ASSERT_OK(changed);
+  ASSERT_EQ(changed->count(), 3);
+  for (Index h = 0; h < mesh.surface.halfedgeCount(); ++h) {
+    for (Eigen::Index a = 0; a < 3; ++a) {
+      const double sum = static_cast<double>(change(a, 0)) * forms.along(mesh.surface, h, 0) +
+                         static_cast<double>(change(a, 1)) * forms.along(mesh.surface, h, 1);
+      EXPECT_NEAR(changed->along(mesh.surface, h, a), sum, 1e-13);
+    }
+  }
+  change(0, 0) = Integer{1} << 60;
+  EXPECT_THAT(changeBasis(forms, change), FailsWith(Reason::kOverflow));
+}
+
+/// Many forms, more faces than one block holds, on any number of threads: the same as one by one.
+TEST(EnergyForm, OfManyFormsEqualsThatOfPairs) {
+  const MetricSurface mesh = subdivide(genusTwo(), 3);
+  const auto basis = harmonicBasis(mesh);
+  ASSERT_OK(basis);
+  const FormBasis& forms = basis->harmonic.forms;
+  const Eigen::MatrixXd all = energyForm(mesh.surface, mesh.lengths, forms).energy;
+  for (Eigen::Index a = 0; a < forms.count(); ++a) {
+    for (Eigen::Index b = 0; b < forms.count(); ++b) {
+      IntegerMatrix pick = IntegerMatrix::Zero(2, forms.count());
+      pick(0, a) = 1;
+      pick(1, b) = 1;
+      const auto pair = changeBasis(forms, pick);
+      ASSERT_OK(pair);
+      const EnergyForm form = energyForm(mesh.surface, mesh.lengths, *pair);
+      EXPECT_NEAR(form.energy(0, 1), all(a, b), 1e-12);
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -7,6 +8,7 @@
 
 #include "core/signature/amplitudes.h"
 #include "core/signature/compute.h"
+#include "core/signature/conformal_block.h"
 #include "core/signature/distance.h"
 #include "core/signature/spectra.h"
 #include "tests/core/mesh/shapes.h"
@@ -32,6 +34,11 @@ Signature sign(const TriangleSoup& soup, std::optional<Space> space = {}) {
   auto signature = tryToSign(soup, space);
   EXPECT_OK(signature);
   return *std::move(signature);
+}
+
+TriangleSoup withoutFace(TriangleSoup soup) {
+  soup.faces.pop_back();
+  return soup;
 }
 
 double sum(const std::vector<double>& values) {
@@ -175,14 +182,101 @@ TEST(Signature, ComputesOnlyTheSpaceThatIsAskedFor) {
   EXPECT_EQ(torus.vectors.conformal.size(), 4U);
 }
 
-TEST(Signature, NamesTopologiesThatItCannotSign) {
-  const auto genus_two = tryToSign(shapes::chainOfTori(2), Space::kConformal);
-  EXPECT_THAT(genus_two, FailsWith(Reason::kUnsupportedTopology));
-  EXPECT_THAT(genus_two.status().message(), testing::HasSubstr("genus 2 with 0 boundary loops"));
-  EXPECT_EQ(genus_two.status().code(), ErrorCode::kUnimplemented);
-  const auto annulus = tryToSign(shapes::annulus());
-  EXPECT_THAT(annulus, FailsWith(Reason::kUnsupportedTopology));
-  EXPECT_THAT(annulus.status().message(), testing::HasSubstr("genus 0 with 2 boundary loops"));
+TEST(Signature, HasTheConformalBlockOfEveryTopology) {
+  struct Case {
+    TriangleSoup soup;
+    ConformalType type;
+    Index period_size;  // 0: none.
+    bool spectrum;
+  };
+  const std::vector<Case> cases{
+      {shapes::icosahedron(), ConformalType::kSphere, 0, false},
+      {shapes::disk(), ConformalType::kDisk, 0, false},
+      {shapes::annulus(), ConformalType::kAnnulus, 0, true},
+      {shapes::torusGrid(6, 5), ConformalType::kTorus, 0, true},
+      {shapes::chainOfTori(2), ConformalType::kHyperbolic, 2, true},
+      {surfaces::sample("plate", {{"holes", 3}, {"resolution", 2}}), ConformalType::kCircleDomain,
+       3, true},
+      {withoutFace(shapes::chainOfTori(2)), ConformalType::kBordered, 4, true},
+  };
+  for (const Case& each : cases) {
+    const Signature signature = sign(each.soup, Space::kConformal);
+    ASSERT_TRUE(signature.conformal);
+    const ConformalBlock& block = *signature.conformal;
+    EXPECT_EQ(block.type, each.type);
+    EXPECT_EQ(block.tau.has_value(), each.type == ConformalType::kTorus);
+    EXPECT_EQ(block.modulus.has_value(), each.type == ConformalType::kAnnulus);
+    EXPECT_EQ(block.period_matrix.has_value(), each.period_size > 0);
+    EXPECT_EQ(block.period_error.has_value(), each.period_size > 0);
+    if (block.period_matrix) {
+      EXPECT_EQ(block.period_matrix->size, each.period_size);
+      EXPECT_EQ(block.period_matrix->values.size(),
+                static_cast<std::size_t>(each.period_size * each.period_size));
+    }
+    EXPECT_EQ(block.energy_spectrum.size(), each.spectrum ? kEnergySpectrumLength : 0);
+    EXPECT_TRUE(std::is_sorted(block.energy_spectrum.begin(), block.energy_spectrum.end()));
+    EXPECT_FALSE(signature.vectors.conformal.empty());
+  }
+}
+
+TEST(Signature, SaysWhichSpacesOfATopologyAreMissing) {
+  const TriangleSoup genus_two = shapes::chainOfTori(2);
+  const Signature all = sign(genus_two);
+  EXPECT_TRUE(all.conformal);
+  EXPECT_FALSE(all.metric || all.shape);
+  EXPECT_THAT(all.certificate.warnings, testing::Contains(testing::HasSubstr("SPACES_OMITTED")));
+  EXPECT_EQ(all.conformal->energy_spectrum,
+            sign(genus_two, Space::kConformal).conformal->energy_spectrum);
+  EXPECT_THAT(sign(genus_two, Space::kConformal).certificate.warnings,
+              testing::Not(testing::Contains(testing::HasSubstr("SPACES_OMITTED"))));
+  const auto metric = tryToSign(genus_two, Space::kMetric);
+  EXPECT_THAT(metric, FailsWith(Reason::kUnsupportedTopology));
+  EXPECT_THAT(metric.status().message(), testing::HasSubstr("genus 2 with 0 boundary loops"));
+}
+
+/// A plate with more holes than the limit of periods: the rest of the signature is kept.
+TEST(Signature, LeavesOutPeriodsBeyondTheLimitAndSaysSo) {
+  const TriangleSoup plate = surfaces::sample("plate", {{"holes", kMaxPeriodGenus + 1},
+                                                        {"hole_width", 1},
+                                                        {"hole_height", 1},
+                                                        {"hole_step", 2},
+                                                        {"resolution", 1}});
+  const Signature signature = sign(plate);
+  EXPECT_EQ(signature.topology.boundary_loops, kMaxPeriodGenus + 2);
+  EXPECT_FALSE(signature.conformal);
+  EXPECT_TRUE(signature.vectors.conformal.empty());
+  EXPECT_GT(signature.topology.area, 0);
+  EXPECT_THAT(signature.certificate.warnings,
+              testing::Contains(testing::HasSubstr("PERIODS_OMITTED")));
+}
+
+TEST(SignatureDistance, OfAnnuliIsHalfTheLogarithmOfTheirModuli) {
+  const auto ring = [](double width) {
+    return sign(surfaces::sample("annulus", {{"r", 1}, {"R", width}, {"resolution", 12}}));
+  };
+  const Signature a = ring(1.5);
+  const Signature b = ring(2.5);
+  const double exact = std::log(std::log(2.5) / std::log(1.5)) / 2;
+  EXPECT_NEAR(*signatureDistance(a, b, Space::kConformal), exact, 1e-3);
+  EXPECT_EQ(*signatureDistance(a, a, Space::kConformal), 0);
+}
+
+TEST(SignatureDistance, OfPeriodsIsDefinedWithinOneTopologyOnly) {
+  const auto plate = [](double holes, double step) {
+    return sign(
+        surfaces::sample("plate", {{"holes", holes}, {"hole_step", step}, {"resolution", 2}}));
+  };
+  const Signature two = plate(2, 3);
+  const Signature wide = plate(2, 5);
+  const Signature three = plate(3, 3);
+  EXPECT_EQ(*signatureDistance(two, two, Space::kConformal), 0);
+  EXPECT_GT(*signatureDistance(two, wide, Space::kConformal), 0.01);
+  EXPECT_EQ(*signatureDistance(two, wide, Space::kConformal),
+            *signatureDistance(wide, two, Space::kConformal));
+  EXPECT_FALSE(signatureDistance(two, three, Space::kConformal));
+  const Signature disk = sign(surfaces::sample("disk", {{"resolution", 3}}));
+  EXPECT_FALSE(signatureDistance(two, disk, Space::kConformal));
+  EXPECT_EQ(*signatureDistance(disk, sign(shapes::disk()), Space::kConformal), 0);
 }
 
 TEST(Signature, IsTheSameBytesEveryTime) {

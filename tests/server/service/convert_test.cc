@@ -10,7 +10,12 @@ namespace {
 Signature torusSignature() {
   Signature signature;
   signature.topology = {.vertices = 12, .faces = 24, .components = 1, .genus = 1, .area = 3.5};
-  signature.conformal = ConformalBlock{ConformalType::kTorus, {{0.25, 1.5}}, 1e-3};
+  ConformalBlock& block = signature.conformal.emplace();
+  block.type = ConformalType::kTorus;
+  block.tau = {0.25, 1.5};
+  block.tau_error = 1e-3;
+  block.energy_spectrum = {0.5, 1.5, 1.5};
+  block.energy_spectrum_error = 1e-4;
   signature.metric = MetricBlock{{1.0, 0.1}};
   signature.shape = ShapeBlock{{2.0, 0.2}, {-3.0, 0.3}};
   signature.vectors = {{0.5F}, {1.0F, 0.25F}, {2.0F}};
@@ -19,6 +24,33 @@ Signature torusSignature() {
   signature.certificate.warnings = {"ZERO_AREA_FACE: one"};
   signature.timing = {{"read", 0.5}};
   return signature;
+}
+
+/// Every field of a conformal block at once, as no one surface has them.
+Signature borderedSignature() {
+  Signature signature = torusSignature();
+  ConformalBlock& block = *signature.conformal;
+  block.type = ConformalType::kBordered;
+  block.tau.reset();
+  block.modulus = 0.75;
+  block.modulus_error = 1e-5;
+  block.period_matrix = PeriodEntries{2, {{0.5, 1}, {-0.25, 0.125}, {-0.25, 0.125}, {0, 2}}};
+  block.period_error = 1e-6;
+  signature.certificate.period_symmetry_residual = 1e-17;
+  return signature;
+}
+
+TEST(Convert, PeriodsTravelThereAndBackToTheLastBit) {
+  const Signature signature = borderedSignature();
+  const v1::Signature message = toProto(signature);
+  EXPECT_EQ(message.conformal().period_matrix().entries(2).re(), -0.25) << "row by row";
+  const Result<Signature> back = fromProto(message);
+  ASSERT_OK(back);
+  EXPECT_EQ(toProto(*back).SerializeAsString(), message.SerializeAsString());
+  EXPECT_EQ(back->conformal->period_matrix->values, signature.conformal->period_matrix->values);
+  EXPECT_EQ(back->conformal->energy_spectrum, signature.conformal->energy_spectrum);
+  EXPECT_EQ(back->conformal->modulus, 0.75);
+  EXPECT_EQ(back->certificate.period_symmetry_residual, 1e-17);
 }
 
 TEST(Convert, ASignatureTravelsThereAndBackToTheLastBit) {
@@ -66,6 +98,32 @@ TEST(Convert, WhatNoSignatureCanBeIsRefused) {
   for (std::size_t i = 0; i < spoils.size(); ++i) {
     v1::Signature message = toProto(torusSignature());
     spoils[i](message);
+    EXPECT_THAT(fromProto(message), FailsWith(Reason::kInvalidRequest)) << "spoil " << i;
+  }
+}
+
+TEST(Convert, WhatNoConformalBlockCanBeIsRefused) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  using Spoil = void (*)(v1::ConformalBlock&);
+  const std::vector<Spoil> spoils = {
+      [](v1::ConformalBlock& b) { b.set_modulus(0); },
+      [](v1::ConformalBlock& b) { b.set_modulus(kNaN); },
+      [](v1::ConformalBlock& b) { b.set_modulus_error(kNaN); },
+      [](v1::ConformalBlock& b) { b.set_period_error(kNaN); },
+      [](v1::ConformalBlock& b) { b.set_energy_spectrum_error(kNaN); },
+      [](v1::ConformalBlock& b) { b.add_energy_spectrum(-1); },
+      [](v1::ConformalBlock& b) { b.add_energy_spectrum(kNaN); },
+      [](v1::ConformalBlock& b) {
+        for (int i = 0; i < 5000; ++i) b.add_energy_spectrum(1);
+      },
+      [](v1::ConformalBlock& b) { b.mutable_period_matrix()->set_size(0); },
+      [](v1::ConformalBlock& b) { b.mutable_period_matrix()->set_size(3); },
+      [](v1::ConformalBlock& b) { b.mutable_period_matrix()->set_size(1 << 16); },
+      [](v1::ConformalBlock& b) { b.mutable_period_matrix()->mutable_entries(1)->set_im(kNaN); },
+  };
+  for (std::size_t i = 0; i < spoils.size(); ++i) {
+    v1::Signature message = toProto(borderedSignature());
+    spoils[i](*message.mutable_conformal());
     EXPECT_THAT(fromProto(message), FailsWith(Reason::kInvalidRequest)) << "spoil " << i;
   }
 }

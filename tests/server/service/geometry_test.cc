@@ -1,3 +1,7 @@
+#include <cmath>
+#include <numbers>
+
+#include "core/signature/signature.h"
 #include "tests/server/service/fixture.h"
 
 namespace moduli {
@@ -27,7 +31,7 @@ TEST_F(GeometryTest, TheServerTellsItsLimits) {
   v1::ServerInfo info;
   ASSERT_TRUE(peer_->geometry().GetServerInfo(&context, {}, &info).ok());
   EXPECT_FALSE(info.version().empty());
-  EXPECT_EQ(info.descriptor_version(), 1);
+  EXPECT_EQ(info.descriptor_version(), kDescriptorVersion);
   EXPECT_EQ(info.max_inline_bytes(), 4 << 20);
   EXPECT_EQ(info.max_chunk_bytes(), 1 << 20);
   EXPECT_EQ(info.max_faces(), 8'000'000);
@@ -151,12 +155,34 @@ TEST_F(GeometryTest, TheSameDefectAlwaysHasTheSameReason) {
       {"OFF\n" + square + "3 0 1 2\n3 0 1 3\n", Reason::kInconsistentOrientation},
       {"OFF\n6 2 0\n0 0 0\n1 0 0\n0 1 0\n5 0 0\n6 0 0\n5 1 0\n3 0 1 2\n3 3 4 5\n",
        Reason::kMultipleComponents},
-      {sampleFile("genus", {{"genus", 2}, {"resolution", 2}}), Reason::kUnsupportedTopology},
   };
   for (const WrongSource& wrong : wrongs) {
     const auto signature = peer_->sign(inlineSource(wrong.bytes, "wrong"));
     EXPECT_THAT(signature, FailsWith(wrong.reason)) << wrong.bytes.substr(0, 60);
   }
+}
+
+TEST_F(GeometryTest, EveryTopologyHasItsConformalBlock) {
+  using Type = v1::ConformalBlock;
+  const auto blockOf = [&](const std::string& kind, const std::map<std::string, double>& values) {
+    const auto signature = peer_->sign(inlineSource(sampleFile(kind, values), kind));
+    EXPECT_OK(signature) << kind;
+    return signature.ok() ? signature->conformal() : Type();
+  };
+  const Type two = blockOf("genus", {{"genus", 2}, {"resolution", 2}});
+  EXPECT_EQ(two.type(), Type::HYPERBOLIC);
+  EXPECT_EQ(two.period_matrix().size(), 2);
+  EXPECT_EQ(two.period_matrix().entries_size(), 4);
+  EXPECT_EQ(two.energy_spectrum_size(), 32);
+  EXPECT_GT(two.period_error(), 0);
+  const Type ring = blockOf("annulus", {{"resolution", 4}});
+  EXPECT_EQ(ring.type(), Type::ANNULUS);
+  EXPECT_NEAR(ring.modulus(), std::log(2) / (2 * std::numbers::pi), 2e-3);
+  EXPECT_FALSE(ring.has_period_matrix());
+  const Type plate = blockOf("plate", {{"holes", 3}, {"resolution", 2}});
+  EXPECT_EQ(plate.type(), Type::CIRCLE_DOMAIN);
+  EXPECT_EQ(plate.period_matrix().size(), 3);
+  EXPECT_EQ(blockOf("disk", {{"resolution", 4}}).type(), Type::DISK);
 }
 
 TEST_F(GeometryTest, WrongRequestsNameTheirField) {
