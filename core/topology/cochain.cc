@@ -1,6 +1,7 @@
 #include "core/topology/cochain.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 namespace moduli {
@@ -38,7 +39,11 @@ Result<Cochain> combineCochains(const std::vector<Cochain>& cochains,
       terms.push_back({term.edge, value});
     }
   }
-  return gatherTerms(std::move(terms));
+  Cochain result = gatherTerms(std::move(terms));
+  for (const CochainTerm& term : result) {
+    if (std::abs(term.value) > kLargestCochainValue) return integerOverflow();
+  }
+  return result;
 }
 
 IntegerMatrix intersectionMatrix(const Connectivity& surface, const std::vector<Cochain>& a,

@@ -21,13 +21,17 @@ using Cochain = std::vector<CochainTerm>;
 /// Sorts terms by edge, adds up those of one edge and drops zeros.
 Cochain gatherTerms(std::vector<CochainTerm> terms);
 
-/// Sum of coefficients(row, k) * cochains[k]. Fails with kOverflow. O(n log n) for n terms.
+/// Values of combinations stay within this, so that intersection numbers never overflow.
+inline constexpr Integer kLargestCochainValue = Integer{1} << 30;
+
+/// Sum of coefficients(row, k) * cochains[k]. Fails with kOverflow where a value is larger than
+/// kLargestCochainValue. O(n log n) for n terms.
 Result<Cochain> combineCochains(const std::vector<Cochain>& cochains,
                                 const IntegerMatrix& coefficients, Eigen::Index row);
 
 /// Intersection numbers of closed cochains: entry (i, k) is the integral of a[i] ^ b[k]. On a
-/// surface with boundary the a or the b must vanish on the boundary's edges. O(E + |a| n) for n
-/// terms of b in all. Source: MATH 1 (wedge product of Whitney forms).
+/// surface with boundary the a or the b must vanish on the boundary's edges. No value of an a times
+/// one of a b is larger than kLargestCochainValue. O(E + |a| n) for n terms of b in all. Source: MATH 1 (wedge product of Whitney forms).
 IntegerMatrix intersectionMatrix(const Connectivity& surface, const std::vector<Cochain>& a,
                                  const std::vector<Cochain>& b);
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/forms/torus_period.h"
-#include "core/mesh/double_cover.h"
 #include "core/mesh/read.h"
 #include "core/mesh/triangle_mesh.h"
+#include "tests/core/forms/glued_surfaces.h"
 #include "tests/core/forms/surfaces.h"
 #include "tests/core/testing.h"
 
@@ -52,42 +52,11 @@ TEST(TorusPeriod, CliffordTorusConvergesAtSecondOrder) {
   expectSecondOrder(errors, {1.30e-2, 3.29e-3, 8.25e-4, 2.06e-4});
 }
 
-/// The double of a 4 x 4 plate without its central 2 x 2 cells; every cell is cut along both
-/// diagonals, so that no inner edge joins two boundary vertices.
-MetricSurface doubledSquareFrame() {
-  std::vector<Eigen::Vector3d> positions;
-  std::vector<Index> vertex(25, kNone);
-  std::vector<Triangle> faces;
-  const auto corner = [&](int i, int j) {
-    Index& v = vertex[i * 5 + j];
-    if (v == kNone) {
-      v = static_cast<Index>(positions.size());
-      positions.emplace_back(i, j, 0);
-    }
-    return v;
-  };
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 4; ++j) {
-      if ((i == 1 || i == 2) && (j == 1 || j == 2)) continue;
-      const std::array<Index, 4> ring{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1),
-                                      corner(i, j + 1)};
-      const auto centre = static_cast<Index>(positions.size());
-      positions.emplace_back(i + 0.5, j + 0.5, 0);
-      for (int k = 0; k < 4; ++k) faces.push_back({ring[k], ring[(k + 1) % 4], centre});
-    }
-  }
-  const MetricSurface plate = fromPositions(positions, faces);
-  auto cover = doubleCover(plate.surface);
-  std::vector<double> lengths;
-  for (const Index e : cover->edge) lengths.push_back(plate.lengths[e]);
-  return {std::move(cover->connectivity), std::move(lengths)};
-}
-
-/// Its period is i C / 2 with the frame's capacity C; cone angles 3 pi at the inner corners slow
-/// the energy down to rate 4/3, but the projection keeps rate 2.
+/// The period of the double is i C / 2 with the frame's capacity C; cone angles 3 pi at the inner
+/// corners slow the energy down to rate 4/3, but the projection keeps rate 2.
 TEST(TorusPeriod, DoubledSquareFrameConvergesAtItsRates) {
   const Complex exact(0, 5.11704628468402586);
-  const MetricSurface frame = doubledSquareFrame();
+  const MetricSurface frame = doubled(squareFrame(2, 1));
   const std::vector<int> parts{2, 4, 8, 16};
   const std::vector<double> errors{-1.254e-2, -3.154e-3, -7.93e-4, -1.99e-4};
   const std::vector<double> gaps{6.78e-2, 2.64e-2, 1.04e-2, 4.12e-3};

@@ -1,0 +1,313 @@
+// Surfaces with boundary: annuli, frames, plates with holes, handles with holes.
+
+#include "core/forms/bordered_period.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/forms/energy_lattice.h"
+#include "core/forms/siegel.h"
+#include "core/mesh/samples.h"
+#include "tests/core/forms/glued_surfaces.h"
+#include "tests/core/forms/surfaces.h"
+#include "tests/core/testing.h"
+
+namespace moduli {
+namespace {
+
+Result<BorderedPeriods> borderedPeriodsOf(const MetricSurface& mesh) {
+  Context context;
+  return computeBorderedPeriods(context, mesh.surface, mesh.lengths);
+}
+
+Result<ClosedPeriods> closedPeriodsOf(const MetricSurface& mesh) {
+  Context context;
+  return computePeriods(context, mesh.surface, mesh.lengths);
+}
+
+std::vector<double> spectrum(const Eigen::MatrixXd& energy, std::size_t count = 32) {
+  Context context;
+  auto energies = shortestEnergies(context, energy, count);
+  EXPECT_OK(energies);
+  return energies.ok() ? *energies : std::vector<double>();
+}
+
+MetricSurface sampleSurface(const std::string& kind, const std::map<std::string, double>& values) {
+  const auto soup = makeSample(kind, values);
+  EXPECT_OK(soup);
+  return fromPositions(soup->vertices, soup->faces);
+}
+
+/// The last two ratios of successive errors, each for half the mesh width, have this order.
+void expectOrder(const std::vector<double>& errors, double order) {
+  for (std::size_t k = errors.size() - 2; k < errors.size(); ++k) {
+    EXPECT_NEAR(std::log2(errors[k - 1] / errors[k]), order, 0.25) << k;
+  }
+}
+
+/// CHECKS E1. The polygons approach the circles at second order too.
+TEST(AnnulusModulus, OfARoundAnnulusConvergesAtSecondOrder) {
+  const double exact = std::log(2.5) / (2 * std::numbers::pi);
+  std::vector<double> errors;
+  for (const double resolution : {4.0, 8.0, 16.0, 32.0}) {
+    const auto ring = borderedPeriodsOf(
+        sampleSurface("annulus", {{"r", 2}, {"R", 5}, {"resolution", resolution}}));
+    ASSERT_OK(ring);
+    ASSERT_TRUE(ring->modulus);
+    EXPECT_LT(ring->modulus->lower, ring->modulus->value);
+    EXPECT_LT(ring->modulus->value, ring->modulus->upper);
+    errors.push_back(std::abs(ring->modulus->value - exact));
+  }
+  expectOrder(errors, 2);
+}
+
+/// CHECKS E2: a cylinder over a regular polygon is flat, its modulus height over perimeter.
+TEST(AnnulusModulus, OfACylinderIsHeightOverPerimeter) {
+  for (const int sides : {3, 5, 24}) {
+    const double height = 1.7;
+    std::vector<Eigen::Vector3d> positions;
+    std::vector<Triangle> faces;
+    constexpr int kRows = 4;
+    for (int row = 0; row <= kRows; ++row) {
+      for (int k = 0; k < sides; ++k) {
+        const double angle = 2 * std::numbers::pi * k / sides;
+        positions.emplace_back(std::cos(angle), std::sin(angle), height * row / kRows);
+        if (row == kRows) continue;
+        const int next = row * sides + (k + 1) % sides;
+        faces.push_back({row * sides + k, next, next + sides});
+        faces.push_back({row * sides + k, next + sides, (row + 1) * sides + k});
+      }
+    }
+    const MetricSurface cylinder = fromPositions(positions, faces);
+    const double exact = height / (2 * sides * std::sin(std::numbers::pi / sides));
+    for (const MetricSurface& mesh :
+         {cylinder, flipEdges(insertVertices(cylinder, 60, 0.05, 1), 300, 2)}) {
+      const auto periods = borderedPeriodsOf(mesh);
+      ASSERT_OK(periods);
+      EXPECT_NEAR(periods->modulus->value / exact, 1, 1e-12);
+      EXPECT_LE(periods->modulus->lower, exact);
+      EXPECT_GE(periods->modulus->upper, exact);
+      EXPECT_LT(periods->modulus->upper / periods->modulus->lower, 1 + 1e-10);
+    }
+  }
+}
+
+struct Frame {
+  int half, hole;
+  double capacity;
+};
+
+class SquareFrame : public testing::TestWithParam<Frame> {};
+
+INSTANTIATE_TEST_SUITE_P(Ratios, SquareFrame,
+                         testing::Values(Frame{2, 1, 10.23409256936805173},
+                                         Frame{10, 1, 2.83977741905223667},
+                                         Frame{10, 9, 74.2349151987788367}),
+                         [](const auto& frame) {
+                           return std::to_string(frame.param.hole) + "of" +
+                                  std::to_string(frame.param.half);
+                         });
+
+/// CHECKS E3, E4, C8: cones of 3 pi at the inner corners of the double slow the raw energies down
+/// to order 4/3; their errors cancel in the projected modulus.
+TEST_P(SquareFrame, CapacityConvergesAtTheOrderOfItsCorners) {
+  const auto [half, hole, exact] = GetParam();
+  const MetricSurface frame = squareFrame(half, hole);
+  std::vector<double> raw, projected;
+  for (const int n : {1, 2, 4, 8}) {
+    const auto periods = borderedPeriodsOf(subdivide(frame, n));
+    ASSERT_OK(periods);
+    raw.push_back(periods->capacity(0, 0) - exact);
+    projected.push_back(std::abs(periods->modulus->value - 1 / exact));
+    EXPECT_GT(raw.back(), 0);
+    EXPECT_LE(periods->modulus->lower, 1 / exact);
+    EXPECT_GE(periods->modulus->upper, 1 / exact);
+  }
+  expectOrder(raw, 4.0 / 3);
+  EXPECT_LT(projected.back(), 0.1 * raw.back() / (exact * exact));
+}
+
+/// The double built and its periods computed as those of any closed surface: a second way to the
+/// same numbers, for every kind of surface with boundary.
+class Bordered : public testing::TestWithParam<int> {
+ protected:
+  static MetricSurface surface() {
+    switch (GetParam()) {
+      case 0:
+        return sampleSurface("annulus", {{"resolution", 6}, {"seed", 3}});
+      case 1:
+        return subdivide(plate(7, 3, {{1, 1}, {4, 1}}), 2);
+      case 2:
+        return plate(9, 9, {{1, 1}, {4, 1}, {7, 1}, {1, 4}, {4, 6}, {7, 7}, {2, 7}});
+      case 3:
+        return withoutDisks(sampleSurface("torus", {{"resolution", 10}, {"seed", 2}}), 1);
+      case 4:
+        return withoutDisks(sampleSurface("genus", {{"genus", 2}, {"resolution", 2}}), 3);
+      default:
+        return withoutDisks(sampleSurface("genus", {{"genus", 3}, {"resolution", 2}}), 1);
+    }
+  }
+
+  /// Without the faces around some vertices that are far apart in the numbering.
+  static MetricSurface withoutDisks(const MetricSurface& closed, int count) {
+    const Connectivity& surface = closed.surface;
+    std::vector<bool> gone(surface.faceCount(), false);
+    std::vector<bool> near(surface.vertexCount(), false);
+    int removed = 0;
+    for (Index v = 0; v < surface.vertexCount() && removed < count; ++v) {
+      std::vector<Index> star;
+      bool free = true;
+      Index h = surface.outgoing(v);
+      do {
+        star.push_back(h);
+        free = free && !near[surface.head(h)];
+        h = surface.rotate(h);
+      } while (h != surface.outgoing(v));
+      if (near[v] || !free) continue;
+      for (const Index spoke : star) {
+        gone[spoke / 3] = true;
+        near[surface.head(spoke)] = true;
+        Index around = surface.outgoing(surface.head(spoke));
+        const Index first = around;
+        do {
+          near[surface.head(around)] = true;
+          around = surface.rotate(around);
+        } while (around != first);
+      }
+      ++removed;
+    }
+    EXPECT_EQ(removed, count);
+    std::vector<Index> number(surface.vertexCount(), kNone);
+    std::vector<Index> face(surface.faceCount(), kNone);
+    std::vector<Triangle> faces;
+    Index vertices = 0;
+    for (Index f = 0; f < surface.faceCount(); ++f) {
+      if (gone[f]) continue;
+      face[f] = static_cast<Index>(faces.size());
+      Triangle corners = surface.face(f);
+      for (Index& v : corners) {
+        if (number[v] == kNone) number[v] = vertices++;
+        v = number[v];
+      }
+      faces.push_back(corners);
+    }
+    std::vector<Index> twin(3 * faces.size(), kNone);
+    std::vector<double> lengths(3 * faces.size());
+    for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+      if (gone[h / 3]) continue;
+      const Index here = 3 * face[h / 3] + h % 3;
+      const Index t = surface.twin(h);
+      if (!gone[t / 3]) twin[here] = 3 * face[t / 3] + t % 3;
+      lengths[here] = closed.lengths[surface.edge(h)];
+    }
+    return fromHalfedges(vertices, std::move(faces), std::move(twin), lengths);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Kinds, Bordered, testing::Range(0, 6));
+
+TEST_P(Bordered, PeriodsAreThoseOfTheDouble) {
+  const MetricSurface mesh = surface();
+  const auto bordered = borderedPeriodsOf(mesh);
+  ASSERT_OK(bordered);
+  const auto closed = closedPeriodsOf(doubled(mesh));
+  ASSERT_OK(closed);
+  ASSERT_EQ(bordered->periods.period.rows(), closed->periods.period.rows());
+  EXPECT_NEAR(bordered->periods.spread / closed->periods.spread, 1, 1e-6);
+  const auto mine = spectrum(bordered->periods.energy);
+  const auto theirs = spectrum(closed->periods.energy);
+  for (std::size_t k = 0; k < mine.size(); ++k) EXPECT_NEAR(mine[k] / theirs[k], 1, 1e-10) << k;
+}
+
+TEST_P(Bordered, NumberingScaleAndMirroringChangeNoInvariant) {
+  const MetricSurface mesh = surface();
+  const auto bordered = borderedPeriodsOf(mesh);
+  ASSERT_OK(bordered);
+  const auto energies = spectrum(bordered->periods.energy);
+  for (const MetricSurface& other :
+       {renumber(mesh, 1), scale(renumber(mesh, 2), 1e5), mirror(mesh)}) {
+    const auto again = borderedPeriodsOf(other);
+    ASSERT_OK(again);
+    const auto same = spectrum(again->periods.energy);
+    for (std::size_t k = 0; k < energies.size(); ++k) {
+      EXPECT_NEAR(same[k] / energies[k], 1, 1e-10);
+    }
+  }
+}
+
+/// CHECKS D11: Pi = 2 i P_red^-1, in whatever loop is left out of P_red.
+TEST(Capacity, GivesThePeriodsOfTheDoubleOfAPlate) {
+  const MetricSurface mesh = subdivide(plate(7, 3, {{1, 1}, {4, 1}}), 3);
+  const auto bordered = borderedPeriodsOf(mesh);
+  ASSERT_OK(bordered);
+  const Eigen::MatrixXd& p = bordered->capacity;
+  ASSERT_EQ(p.rows(), 2);
+  EXPECT_LT((p - p.transpose()).norm(), 1e-12);
+  Eigen::MatrixXcd period = Eigen::MatrixXcd::Zero(2, 2);
+  period.imag() = 2 * p.inverse();
+  // P_h is an upper bound of P, so this Pi is off by the spread, no more.
+  const auto raw = spectrum(energyOfPeriod(period));
+  const auto projected = spectrum(bordered->periods.energy);
+  for (std::size_t k = 0; k < raw.size(); ++k) {
+    EXPECT_LE(std::abs(std::log(raw[k] / projected[k])), bordered->periods.spread * (1 + 1e-9));
+  }
+}
+
+/// CHECKS D6b and D11: two extrapolations of one genus-2 surface, by its double and by fluxes.
+TEST(Capacity, AndTheDoubleExtrapolateToTheSameEnergies) {
+  const MetricSurface base = plate(7, 3, {{1, 1}, {4, 1}});
+  const std::vector<double> published{.34488, .36922, .66479, .76341};
+  const std::vector<double> gaps{.2258, .0848, .0329};
+  std::vector<double> least;
+  Eigen::MatrixXd before, extrapolated;
+  for (std::size_t k = 0; k < gaps.size(); ++k) {
+    const MetricSurface mesh = subdivide(base, 2 << k);
+    const auto closed = closedPeriodsOf(doubled(mesh));
+    ASSERT_OK(closed);
+    EXPECT_NEAR((closed->energy.determinant() - 1) / gaps[k], 1, 5e-3);
+    least.push_back(spectrum(closed->periods.energy)[0]);
+    const auto bordered = borderedPeriodsOf(mesh);
+    ASSERT_OK(bordered);
+    const double ratio = std::pow(2, 4.0 / 3);
+    if (k > 0) extrapolated = (ratio * bordered->capacity - before) / (ratio - 1);
+    before = bordered->capacity;
+  }
+  // Projected values of the least energy as published for n = 2, 4, 8.
+  EXPECT_NEAR(least[0], .345808, 2e-6);
+  EXPECT_NEAR(least[1], .345099, 2e-6);
+  EXPECT_NEAR(least[2], .344940, 2e-6);
+  Eigen::MatrixXcd period = Eigen::MatrixXcd::Zero(2, 2);
+  period.imag() = 2 * extrapolated.inverse();
+  const auto energies = spectrum(energyOfPeriod(period));
+  EXPECT_NEAR(energies[0], published[0], 5e-5);
+  EXPECT_NEAR(energies[1], published[1], 5e-5);
+  EXPECT_NEAR(energies[2], published[2], 1e-4);
+  EXPECT_NEAR(energies[3], published[3], 1e-4);
+  const double from_double = least[2] + (least[2] - least[1]) / 3;  // Order 2.
+  EXPECT_NEAR(energies[0], from_double, 5e-5);
+}
+
+/// The energy of gamma and half the flux stand on the diagonal of the double's energy form, so that
+/// the modulus is half the imaginary part of tau, or its reciprocal (MATH 5.1).
+TEST(AnnulusModulus, IsHalfTheTauOfTheDouble) {
+  const auto wide = borderedPeriodsOf(sampleSurface("annulus", {{"R", 8}, {"resolution", 6}}));
+  const auto thin = borderedPeriodsOf(sampleSurface("annulus", {{"R", 2}, {"resolution", 6}}));
+  ASSERT_OK(wide);
+  ASSERT_OK(thin);
+  // log(8) / (2 pi) = 0.33 and log(2) / (2 pi) = 0.11: both doubles are reduced the other way up.
+  EXPECT_NEAR(wide->periods.period(0, 0).imag(), 1 / (2 * wide->modulus->value), 1e-12);
+  EXPECT_NEAR(thin->periods.period(0, 0).imag(), 1 / (2 * thin->modulus->value), 1e-12);
+  EXPECT_NEAR(wide->periods.period(0, 0).real(), 0, 1e-12);
+}
+
+TEST(BorderedPeriods, RefuseSurfacesWithoutAny) {
+  const auto disk = borderedPeriodsOf(plate(3, 2, {}));
+  EXPECT_THAT(disk, FailsWith(Reason::kUnsupportedTopology));
+  EXPECT_THAT(disk.status().message(), testing::HasSubstr("a disk has no moduli"));
+  EXPECT_THAT(borderedPeriodsOf(gluedPolygon(8)), FailsWith(Reason::kUnsupportedTopology));
+}
+
+}  // namespace
+}  // namespace moduli

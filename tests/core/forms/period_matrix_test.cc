@@ -1,0 +1,266 @@
+// Period matrices of surfaces whose periods are known, in every marking and triangulation.
+
+#include "core/forms/period_matrix.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "core/forms/energy_lattice.h"
+#include "core/mesh/samples.h"
+#include "tests/core/forms/glued_surfaces.h"
+#include "tests/core/forms/surfaces.h"
+#include "tests/core/testing.h"
+
+namespace moduli {
+namespace {
+
+Result<ClosedPeriods> periodsOf(const MetricSurface& mesh) {
+  Context context;
+  return computePeriods(context, mesh.surface, mesh.lengths);
+}
+
+std::vector<double> spectrum(const PeriodMatrix& periods, std::size_t count = 32) {
+  Context context;
+  auto energies = shortestEnergies(context, periods.energy, count);
+  EXPECT_OK(energies);
+  return energies.ok() ? *energies : std::vector<double>();
+}
+
+Eigen::MatrixXd J(Eigen::Index genus) {
+  return standardSymplecticForm(genus).cast<double>();
+}
+
+/// A value of the lattice and how many primitive pairs +-n have it.
+struct Level {
+  double value;
+  int pairs;
+};
+
+/// Surfaces whose projected energies are exact at any refinement, with the order at which the raw
+/// energy converges and det E_h - 1 at n = 4, 8, 16, 32 (CHECKS D1 to D6; Klein at 2, 4, 8, 16).
+struct ExactSurface {
+  std::string name;
+  MetricSurface base;
+  Eigen::Index genus;
+  std::vector<Level> levels;
+  double order;
+  int first_parts;
+  std::vector<double> gaps;
+};
+
+std::vector<ExactSurface> exactSurfaces() {
+  const double root2 = std::numbers::sqrt2;
+  const double root3 = std::numbers::sqrt3;
+  const double root7 = std::sqrt(7.0);
+  const double fifth = std::numbers::pi / 5;
+  return {
+      {"square-tiled L",
+       squareTiledL(),
+       2,
+       {{2 / 3.0, 2}, {4 / 3.0, 2}, {5 / 3.0, 4}, {7 / 3.0, 8}},
+       2 / 3.0,
+       4,
+       {.868, .483, .282, .169}},
+      {"octahedron cover",
+       octahedronCover(),
+       2,
+       {{root2, 12}, {2 * root2, 12}},
+       1.5,
+       4,
+       {.1019, .03488, .01219, .004295}},
+      {"octagon",
+       gluedPolygon(8),
+       2,
+       {{root2, 12}, {2 * root2, 12}},
+       2 / 3.0,
+       4,
+       {1.137, .603, .344, .205}},
+      {"hexagon cover",
+       hexagonCover(),
+       2,
+       {{2 / root3, 6}, {4 / root3, 18}},
+       1.5,
+       4,
+       {.0787, .0271, .00951, .00335}},
+      {"decagon",
+       gluedPolygon(10),
+       2,
+       {{2 / std::tan(fifth) / std::sqrt(5.0), 5},
+        {2 / (std::sqrt(5.0) * std::sin(fifth)), 5},
+        {2.1715298, 5},
+        {2.7527638, 5}},
+       1,
+       4,
+       {.424, .189, .090, .044}},
+      {"Klein quartic",
+       kleinQuartic(),
+       3,
+       {{4 / root7, 21}, {6 / root7, 28}},
+       12 / 7.0,
+       2,
+       {.1853, .0540, .01625, .00493}},
+  };
+}
+
+class ExactPeriods : public testing::TestWithParam<std::size_t> {
+ protected:
+  static const ExactSurface& surface() {
+    static const std::vector<ExactSurface> all = exactSurfaces();
+    return all[GetParam()];
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Surfaces, ExactPeriods, testing::Range<std::size_t>(0, 6));
+
+void expectLevels(const std::vector<double>& energies, const std::vector<Level>& levels,
+                  const std::string& name) {
+  std::size_t at = 0;
+  for (const Level& level : levels) {
+    // Values given with eight digits are held to these.
+    const bool rounded = std::abs(level.value * 1e7 - std::round(level.value * 1e7)) < 1e-6;
+    for (int k = 0; k < level.pairs; ++k, ++at) {
+      if (at == energies.size()) return;
+      EXPECT_NEAR(energies[at] / level.value, 1, rounded ? 5e-8 : 1e-10) << name << ' ' << at;
+    }
+  }
+  ASSERT_LT(at, energies.size()) << name;
+  EXPECT_GT(energies[at], levels.back().value * (1 + 1e-6)) << name;
+}
+
+TEST_P(ExactPeriods, ProjectedEnergiesAreExactOnCoarseMeshes) {
+  for (const int n : {3, 4, 7}) {
+    const auto closed = periodsOf(subdivide(surface().base, n));
+    ASSERT_OK(closed);
+    ASSERT_EQ(closed->periods.period.rows(), surface().genus);
+    expectLevels(spectrum(closed->periods), surface().levels, surface().name);
+  }
+}
+
+TEST_P(ExactPeriods, RawEnergyConvergesAtTheOrderOfItsCones) {
+  std::vector<double> gaps;
+  for (std::size_t k = 0; k < surface().gaps.size(); ++k) {
+    const int n = surface().first_parts << k;
+    const auto closed = periodsOf(subdivide(surface().base, n));
+    ASSERT_OK(closed);
+    gaps.push_back(closed->energy.determinant() - 1);
+    // Published to three or four digits.
+    EXPECT_NEAR(gaps[k] / surface().gaps[k], 1, 1e-2) << surface().name << n;
+  }
+  for (std::size_t k = gaps.size() - 2; k < gaps.size(); ++k) {
+    EXPECT_NEAR(std::log2(gaps[k - 1] / gaps[k]), surface().order, 0.25) << surface().name;
+  }
+}
+
+/// MATH 4.3: J^T E_h^-1 J <= E <= E_h, here with E known, and M between them.
+TEST_P(ExactPeriods, BoundsEncloseTheTruth) {
+  double before = std::numeric_limits<double>::infinity();
+  for (const int n : {2, 4, 8}) {
+    const auto closed = periodsOf(subdivide(surface().base, n));
+    ASSERT_OK(closed);
+    const PeriodMatrix& periods = closed->periods;
+    const Eigen::MatrixXd& upper = closed->energy;
+    const Eigen::MatrixXd j = J(surface().genus);
+    const Eigen::MatrixXd lower = j.transpose() * upper.inverse() * j;
+    const auto least = [](const Eigen::MatrixXd& m) {
+      return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m).eigenvalues()[0];
+    };
+    // The projection is exact on these surfaces: M is E.
+    EXPECT_GT(least(upper - lower), -1e-12 * upper.norm());
+    EXPECT_GT(least(upper - periods.energy), -1e-11 * upper.norm());
+    EXPECT_GT(least(periods.energy - lower), -1e-11 * upper.norm());
+    EXPECT_GT(least(std::exp(periods.spread) * periods.energy - upper), 0);
+    EXPECT_LT(periods.spread, before);
+    before = periods.spread;
+  }
+}
+
+TEST_P(ExactPeriods, ProjectionIsAComplexStructure) {
+  const auto closed = periodsOf(subdivide(surface().base, 3));
+  ASSERT_OK(closed);
+  const PeriodMatrix& periods = closed->periods;
+  const Eigen::MatrixXd star = J(surface().genus).transpose() * periods.energy;
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(star.rows(), star.cols());
+  EXPECT_LT((star * star + identity).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_EQ(periods.period, periods.period.transpose());
+  EXPECT_LT(periods.symmetry_residual, 1e-12);
+  const Eigen::MatrixXd imaginary = periods.period.imag();
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(imaginary).eigenvalues()[0], 0.1);
+  EXPECT_LE(periods.period.real().cwiseAbs().maxCoeff(), 0.5 + 1e-12);
+}
+
+TEST(PeriodMatrix, NumberingMotionAndScaleChangeNoInvariant) {
+  const auto soup = makeSample("genus", {{"genus", 3}, {"resolution", 2}, {"seed", 5}});
+  const MetricSurface mesh = fromPositions(soup->vertices, soup->faces);
+  const auto closed = periodsOf(mesh);
+  ASSERT_OK(closed);
+  const auto energies = spectrum(closed->periods);
+  for (unsigned seed = 1; seed < 6; ++seed) {
+    const auto other = periodsOf(scale(renumber(mesh, seed), 0.01 * seed));
+    ASSERT_OK(other);
+    const auto same = spectrum(other->periods);
+    for (std::size_t k = 0; k < energies.size(); ++k) {
+      EXPECT_NEAR(same[k] / energies[k], 1, 1e-11);
+    }
+    EXPECT_NEAR(other->periods.spread / closed->periods.spread, 1, 1e-9);
+  }
+  // Orientation: the mirror image has the same energies; its Pi is -conj(Pi) in some marking.
+  const auto image = periodsOf(mirror(mesh));
+  ASSERT_OK(image);
+  const auto mirrored = spectrum(image->periods);
+  for (std::size_t k = 0; k < energies.size(); ++k) {
+    EXPECT_NEAR(mirrored[k] / energies[k], 1, 1e-11);
+  }
+}
+
+/// Any two triangulations of one metric enclose the same exact energies.
+TEST(PeriodMatrix, TriangulationsOfOneMetricAgreeWithinTheirBounds) {
+  const auto soup = makeSample("genus", {{"genus", 2}, {"resolution", 2}});
+  const MetricSurface mesh = fromPositions(soup->vertices, soup->faces);
+  const auto reference = periodsOf(subdivide(mesh, 4));
+  ASSERT_OK(reference);
+  const auto exact = spectrum(reference->periods);
+  for (const MetricSurface& other :
+       {mesh, subdivide(mesh, 2), flipEdges(subdivide(mesh, 2), 2000, 3),
+        insertVertices(mesh, 300, 0.05, 4), insertNearCorners(mesh, 1e-5, 1)}) {
+    const auto closed = periodsOf(other);
+    ASSERT_OK(closed);
+    const auto energies = spectrum(closed->periods);
+    for (std::size_t k = 0; k < energies.size(); ++k) {
+      EXPECT_LE(std::abs(std::log(energies[k] / exact[k])),
+                closed->periods.spread + reference->periods.spread);
+    }
+  }
+}
+
+TEST(PeriodMatrix, PrintedErrorIsTightOnFlatTori) {
+  for (const std::complex<double> tau : {std::complex(0.31, 0.97), std::complex(0.1, 3.0)}) {
+    const auto closed = periodsOf(flatTorus(tau, 5, 7, 0.2, 1));
+    ASSERT_OK(closed);
+    EXPECT_LT(std::abs(closed->periods.period(0, 0) - tau), closed->periods.error);
+    EXPECT_LT(closed->periods.error, 1e-11);
+  }
+}
+
+TEST(PeriodMatrix, RefusesSurfacesWithoutPeriods) {
+  const auto sphere = makeSample("sphere", {{"resolution", 3}});
+  const auto none = periodsOf(fromPositions(sphere->vertices, sphere->faces));
+  EXPECT_THAT(none, FailsWith(Reason::kUnsupportedTopology));
+  EXPECT_THAT(none.status().message(), testing::HasSubstr("no periods"));
+  EXPECT_THAT(periodsOf(plate(4, 3, {{1, 1}})), FailsWith(Reason::kUnsupportedTopology));
+}
+
+TEST(PeriodMatrix, StopsWhenCancelled) {
+  Context context;
+  CancelToken token;
+  token.cancel();
+  context.setCancelToken(token);
+  const MetricSurface mesh = subdivide(squareTiledL(), 3);
+  EXPECT_THAT(computePeriods(context, mesh.surface, mesh.lengths), FailsWith(Reason::kCancelled));
+}
+
+}  // namespace
+}  // namespace moduli
