@@ -11,7 +11,7 @@ namespace {
 
 /// Right-hand sides solved together: enough for the dense kernels, few enough that the solver's
 /// copies stay small beside the factor.
-constexpr Eigen::Index kColumnsAtOnce = 8;
+constexpr Eigen::Index kColumnsAtOnce = 4;
 
 /// -d0^T W cochain at every vertex.
 void addDivergence(const Connectivity& surface, const std::vector<double>& weights,

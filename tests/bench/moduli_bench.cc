@@ -4,7 +4,11 @@
 // the same run (yardstick.h). The counters named after stages, and `F` for a whole benchmark, are
 // multiples of it. Without meshes, sample surfaces are measured.
 #include <benchmark/benchmark.h>
+#include <malloc.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -12,8 +16,10 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "core/mesh/prepare.h"
@@ -99,6 +105,73 @@ void benchPrepare(benchmark::State& state, const std::shared_ptr<Case>& mesh) {
   });
 }
 
+// The most memory that the process holds while this lives, above what it held at first, sampled.
+class MemoryWatch {
+ public:
+  MemoryWatch() : before_(resident()), peak_(before_), sampler_([this] { sample(); }) {}
+  ~MemoryWatch() { stop(); }
+  double stop() {
+    done_ = true;
+    if (sampler_.joinable()) sampler_.join();
+    return peak_ - before_;
+  }
+
+ private:
+  static double resident() {
+    std::ifstream statistics("/proc/self/statm");
+    double total = 0, pages = 0;
+    statistics >> total >> pages;
+    return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+  }
+  void sample() {
+    while (!done_) {
+      peak_ = std::max(peak_, resident());
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+  }
+
+  double before_;
+  double peak_;
+  std::atomic<bool> done_ = false;
+  std::thread sampler_;
+};
+
+// The conformal block alone: F, what 2 F and a back-substitution for each of its forms would be
+// (`allowed`), and the memory at its peak over that of the factor.
+void benchConformal(benchmark::State& state, const std::shared_ptr<Case>& mesh) {
+  SignatureOptions options;
+  options.space = Space::kConformal;
+  std::map<std::string, double> stages;
+  std::optional<Signature> last;
+  const auto sign = [&] {
+    Context context;
+    auto signature = computeSignature(context, mesh->prepared, options);
+    if (!signature.ok()) return signature.status();
+    for (const auto& [stage, seconds] : signature->timing) stages[stage] += seconds;
+    last = *std::move(signature);
+    return Status();
+  };
+  malloc_trim(0);
+  MemoryWatch watch;
+  const Status once = sign();
+  const double memory = watch.stop();
+  if (!once.ok()) {
+    state.SkipWithError(once.toString().c_str());
+    return;
+  }
+  stages.clear();
+  runTimed(state, *mesh, sign);
+  for (const auto& [stage, seconds] : stages) count(state, stage, seconds, *mesh);
+  const SignatureTopology& topology = last->topology;
+  const Index forms = topology.boundary_loops == 0
+                          ? 2 * topology.genus
+                          : 2 * (2 * topology.genus + topology.boundary_loops - 1);
+  state.counters["genus"] = topology.genus;
+  state.counters["loops"] = topology.boundary_loops;
+  state.counters["allowed"] = 2 + forms * mesh->yardstick.solve / mesh->yardstick.total();
+  state.counters["memory"] = memory / mesh->yardstick.factor_bytes;
+}
+
 void benchSignature(benchmark::State& state, const std::shared_ptr<Case>& mesh) {
   std::map<std::string, double> stages;
   runTimed(state, *mesh, [&] {
@@ -123,6 +196,7 @@ void registerMesh(const std::shared_ptr<Case>& mesh) {
   add("F", benchYardstick);
   add("read", benchRead);
   add("prepare", benchPrepare);
+  add("conformal", benchConformal);
   add("signature", benchSignature);
 }
 
@@ -186,7 +260,8 @@ int runAll(int argc, char** argv) {
   bool good = true;
   for (int i = 1; i < argc; ++i) good &= registerCase(loadFile(argv[i]));
   if (argc == 1) {
-    good &= registerCase(loadSample("sphere", 45)) && registerCase(loadSample("torus", 100));
+    good &= registerCase(loadSample("sphere", 45)) && registerCase(loadSample("torus", 100)) &&
+            registerCase(loadSample("genus", 16)) && registerCase(loadSample("annulus", 40));
     benchmark::RegisterBenchmark("search", benchSearch)
         ->Arg(10000)
         ->Arg(100000)

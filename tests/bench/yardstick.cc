@@ -67,6 +67,8 @@ Yardstick measureOnce(SparseMatrix& matrix, bool& solved) {
   time.factorize = secondsSince(mark);
   cholmod_dense* x = cholmod_solve(CHOLMOD_A, factor, ones, &common);
   time.solve = secondsSince(mark);
+  time.factor_bytes = static_cast<double>(factor->xsize * sizeof(double)) +
+                      static_cast<double>(factor->ssize * sizeof(int));
   solved = x != nullptr && common.status == CHOLMOD_OK;
   cholmod_free_dense(&x, &common);
   cholmod_free_dense(&ones, &common);

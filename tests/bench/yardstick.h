@@ -12,6 +12,7 @@ struct Yardstick {
   double analyse = 0;
   double factorize = 0;
   double solve = 0;
+  double factor_bytes = 0;  ///< Of the factor's numbers and their pattern.
   double total() const { return analyse + factorize + solve; }
 };
 

@@ -107,7 +107,8 @@ TEST_P(Smooth, InversionOfSpaceChangesPeriodsAtSecondOrder) {
     EXPECT_GT(order, 1.75) << changes[k - 1] << ' ' << changes[k];
     // On the torus, whose grid runs along its lines of curvature as that of its image does, the
     // second-order errors of both are equal, and the change is of fourth order.
-    if (GetParam().kind != "torus") EXPECT_LT(order, 2.25) << changes[k - 1] << ' ' << changes[k];
+    if (GetParam().kind == "torus") continue;
+    EXPECT_LT(order, 2.25) << changes[k - 1] << ' ' << changes[k];
   }
   EXPECT_LT(changes.back(), 0.01);
 }
