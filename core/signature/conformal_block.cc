@@ -36,7 +36,8 @@ void addPeriodMatrix(const PeriodMatrix& periods, ConformalBlock& block) {
   PeriodEntries entries;
   entries.size = static_cast<Index>(period.rows());
   for (Eigen::Index j = 0; j < period.rows(); ++j) {
-    for (Eigen::Index k = 0; k < period.cols(); ++k) entries.values.push_back(period(j, k));
+    // No negative zeros.
+    for (Eigen::Index k = 0; k < period.cols(); ++k) entries.values.push_back(period(j, k) + 0.0);
   }
   block.period_matrix = std::move(entries);
   block.period_error = periods.error;

@@ -53,7 +53,7 @@ Status comparable(const Signature& signature, Space space) {
   const bool typed = space != Space::kConformal || signature.conformal;
   if (vectorOf(signature.vectors, space).empty() || !typed) {
     return {Reason::kIncomparableSignatures, "the query has no numbers of the asked space",
-            "search in another space"};
+            "search in another space (--space)"};
   }
   return {};
 }

@@ -1,5 +1,6 @@
 #include <filesystem>
 
+#include "core/signature/signature.h"
 #include "tests/server/service/fixture.h"
 
 namespace moduli {
@@ -252,7 +253,7 @@ TEST_F(CatalogTest, AQueryOfAnotherVersionOrWithoutTheSpaceIsRefused) {
   EXPECT_THAT(peer_->search(request), FailsWith(Reason::kIncomparableSignatures));
   request.set_space(v1::Signature::CONFORMAL);
   EXPECT_OK(peer_->search(request));
-  request.mutable_signature()->set_descriptor_version(2);
+  request.mutable_signature()->set_descriptor_version(kDescriptorVersion + 1);
   EXPECT_THAT(peer_->search(request), FailsWith(Reason::kIncomparableSignatures));
 }
 
