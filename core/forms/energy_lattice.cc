@@ -95,10 +95,10 @@ class Enumeration {
   }
 
   Status tooManyNodes() const {
-    return {Reason::kNoConvergence,
-            "an enumeration of lattice vectors has more than " + std::to_string(node_limit_) +
-                " nodes",
-            "allow more of them, or ask for fewer vectors or for a larger t"};
+    return {
+        Reason::kNoConvergence,
+        "an enumeration of lattice vectors has more than " + std::to_string(node_limit_) + " nodes",
+        "allow more of them, or ask for fewer vectors or for a larger t"};
   }
 
   Context& context_;

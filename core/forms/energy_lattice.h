@@ -15,10 +15,10 @@
 ///   ASSIGN_OR_RETURN(const auto features, thetaFeatures(context, energy, {2, 3, 4}));
 ///
 /// All of them enumerate lattice vectors after LLL. The number of nodes that are visited grows
-/// exponentially with n, so it is limited; a step takes some n / 10 ns.
+/// exponentially with n, so it is limited; a node takes some 10 ns.
 namespace moduli {
 
-/// Some seconds.
+/// A second or two.
 inline constexpr std::int64_t kLatticeNodes = 100'000'000;
 
 /// The `count` smallest energies v^T E v of primitive vectors v of Z^n, ascending.
@@ -36,10 +36,10 @@ Result<std::vector<double>> shortestEnergies(Context& context, const Eigen::Matr
 /// energy: as above; t: finite, > 0. Where E is symplectic, n = 2 g, Theta(1/t) = t^g Theta(t).
 /// What the sum leaves out is at most 1e-15 of Theta(t) - 1; rounding is about 1e-16 Theta(t) and
 /// pi t v^T E v 1e-15 of each term. One enumeration for all t, of the vectors below a radius that
-/// falls as the smallest t grows. At t = 1 and for E of determinant 1 there are some 2e5 of them for
-/// n = 8, 3e7 for n = 12 and 1e13 for n = 24, by t^(n/2) fewer at t.
-/// Fails as shortestEnergies does, and with kInvalidOption where a t is not a number > 0.
-/// Source: Banaszczyk 1993 (what is left out); MATH 8.5.
+/// falls as the smallest t grows. At t = 1 and for E of determinant 1 there are some 2e5 of them
+/// for n = 8, 3e7 for n = 12 and 1e13 for n = 24, by t^(n/2) fewer at t. Fails as shortestEnergies
+/// does, and with kInvalidOption where a t is not a number > 0. Source: Banaszczyk 1993 (what is
+/// left out); MATH 8.5.
 Result<std::vector<double>> thetaSums(Context& context, const Eigen::MatrixXd& energy,
                                       const std::vector<double>& t,
                                       std::int64_t node_limit = kLatticeNodes);

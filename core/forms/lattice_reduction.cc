@@ -1,9 +1,9 @@
 #include "core/forms/lattice_reduction.h"
 
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace moduli {
 namespace {
@@ -27,14 +27,34 @@ bool isSymmetric(const Eigen::MatrixXd& gram) {
   return (gram - gram.transpose()).cwiseAbs().maxCoeff() <= kAsymmetry * largest;
 }
 
-/// LLL with floating-point coefficients; the changes of basis are exact.
+template <typename T>
+using RowMajor = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// addRow for rows that lie in one piece.
+Status addRow(RowMajor<Integer>& matrix, Eigen::Index to, Integer times, Eigen::Index from) {
+  const Integer* source = matrix.data() + from * matrix.cols();
+  Integer* target = matrix.data() + to * matrix.cols();
+  bool overflow = false;
+  for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
+    Integer product = 0;
+    overflow |= __builtin_mul_overflow(times, source[c], &product);
+    overflow |= __builtin_add_overflow(target[c], product, &target[c]);
+  }
+  return overflow ? integerOverflow() : Status();
+}
+
+/// LLL with floating-point coefficients and exact changes of basis.
 class Reduction {
  public:
-  Reduction(GramSchmidt steps, ReducedLattice& lattice)
-      : mu_(std::move(steps.mu)), squares_(std::move(steps.squares)), lattice_(lattice) {}
+  explicit Reduction(Eigen::Index n)
+      : transform_(RowMajor<Integer>::Identity(n, n)), dual_(transform_) {}
 
-  /// Stops early, with changed() true, where rounding seems to lead it in a circle.
-  Status run() {
+  /// Reduces the present basis, whose Gram-Schmidt steps are given. Returns whether it changed.
+  /// Stops early where rounding seems to lead it in a circle.
+  Result<bool> run(const GramSchmidt& steps) {
+    mu_ = steps.mu;
+    squares_ = steps.squares;
+    changed_ = false;
     const Eigen::Index n = squares_.size();
     const Eigen::Index limit = 100 * n * n + 1000;
     Eigen::Index swaps = 0;
@@ -50,10 +70,11 @@ class Reduction {
       for (Eigen::Index l = k - 2; l >= 0; --l) RETURN_IF_ERROR(shorten(k, l));
       ++k;
     }
-    return {};
+    return changed_;
   }
 
-  bool changed() const { return changed_; }
+  IntegerMatrix transform() const { return transform_; }
+  IntegerMatrix dual() const { return dual_; }
 
  private:
   /// b_k -= round(mu(k, l)) b_l.
@@ -63,8 +84,8 @@ class Reduction {
     if (!(std::abs(q) < 0x1p62)) return integerOverflow();
     mu_.row(k).head(l + 1) -= q * mu_.row(l).head(l + 1);
     changed_ = true;
-    RETURN_IF_ERROR(addRow(lattice_.transform, k, -static_cast<Integer>(q), l));
-    return addRow(lattice_.dual, l, static_cast<Integer>(q), k);
+    RETURN_IF_ERROR(addRow(transform_, k, -static_cast<Integer>(q), l));
+    return addRow(dual_, l, static_cast<Integer>(q), k);
   }
 
   /// Exchanges b_k and b_{k-1}.
@@ -81,14 +102,14 @@ class Reduction {
       mu_(i, k) = mu_(i, k - 1) - m * old;
       mu_(i, k - 1) = old + back * mu_(i, k);
     }
-    lattice_.transform.row(k).swap(lattice_.transform.row(k - 1));
-    lattice_.dual.row(k).swap(lattice_.dual.row(k - 1));
+    transform_.row(k).swap(transform_.row(k - 1));
+    dual_.row(k).swap(dual_.row(k - 1));
     changed_ = true;
   }
 
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> mu_;
+  RowMajor<double> mu_;
   Eigen::VectorXd squares_;
-  ReducedLattice& lattice_;
+  RowMajor<Integer> transform_, dual_;
   bool changed_ = false;
 };
 
@@ -100,7 +121,7 @@ Result<GramSchmidt> gramSchmidt(const Eigen::MatrixXd& gram) {
   const double rounding = static_cast<double>(n) * std::numeric_limits<double>::epsilon();
   GramSchmidt steps{Eigen::MatrixXd::Identity(n, n), Eigen::VectorXd::Zero(n)};
   // Row i of `products` holds the inner products of b_i with b*_j.
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> products(n, n), mu(n, n);
+  RowMajor<double> products(n, n), mu(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j <= i; ++j) {
       products(i, j) = gram(i, j) - mu.row(j).head(j).dot(products.row(i).head(j));
@@ -114,14 +135,13 @@ Result<GramSchmidt> gramSchmidt(const Eigen::MatrixXd& gram) {
 }
 
 Result<ReducedLattice> reduceLattice(const Eigen::MatrixXd& gram) {
-  const Eigen::Index n = gram.rows();
-  ReducedLattice lattice{gram, IntegerMatrix::Identity(n, n), IntegerMatrix::Identity(n, n)};
+  Reduction reduction(gram.rows());
+  Eigen::MatrixXd current = gram;
   for (int round = 0; round < kMaxRounds; ++round) {
-    ASSIGN_OR_RETURN(GramSchmidt steps, gramSchmidt(lattice.gram));
-    Reduction reduction(std::move(steps), lattice);
-    RETURN_IF_ERROR(reduction.run());
-    if (!reduction.changed()) return lattice;
-    lattice.gram = congruence(lattice.transform, gram);
+    ASSIGN_OR_RETURN(const GramSchmidt steps, gramSchmidt(current));
+    ASSIGN_OR_RETURN(const bool changed, reduction.run(steps));
+    if (!changed) return ReducedLattice{current, reduction.transform(), reduction.dual()};
+    current = congruence(reduction.transform(), gram);
   }
   return Status{Reason::kNoConvergence, "the basis of a lattice cannot be reduced",
                 "the surface is too long and thin for its periods to be found"};
@@ -129,17 +149,18 @@ Result<ReducedLattice> reduceLattice(const Eigen::MatrixXd& gram) {
 
 Eigen::MatrixXd congruence(const IntegerMatrix& r, const Eigen::MatrixXd& gram) {
   using Wide = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  using Rows = Eigen::SparseMatrix<long double>;  // Row j in column j.
   const Wide given = gram.cast<long double>();
-  const Wide rows = r.transpose().cast<long double>();  // Row j of r is column j.
+  const Rows rows = Wide(r.transpose().cast<long double>()).sparseView();
   Eigen::MatrixXd result(r.rows(), r.rows());
-  Wide image(gram.rows(), 1);
+  Eigen::Matrix<long double, Eigen::Dynamic, 1> image(gram.rows());
   for (Eigen::Index j = 0; j < r.rows(); ++j) {
     image.setZero();
-    for (Eigen::Index k = 0; k < r.cols(); ++k) {
-      if (rows(k, j) != 0) image += rows(k, j) * given.col(k);
+    for (Rows::InnerIterator entry(rows, j); entry; ++entry) {
+      image += entry.value() * given.col(entry.row());
     }
     for (Eigen::Index i = j; i < r.rows(); ++i) {
-      result(i, j) = result(j, i) = static_cast<double>(rows.col(i).cwiseProduct(image).sum());
+      result(i, j) = result(j, i) = static_cast<double>(rows.col(i).dot(image));
     }
   }
   return result;

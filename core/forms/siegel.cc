@@ -69,8 +69,7 @@ double logLargestRatio(const MatrixXd& m, const MatrixXd& energy) {
   if (factor.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
   const MatrixXd half = factor.matrixL().solve(energy);
   const MatrixXd ratio = factor.matrixL().solve(MatrixXd(half.transpose()));
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(symmetrized(ratio),
-                                                       Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(symmetrized(ratio), Eigen::EigenvaluesOnly);
   return std::max(0.0, std::log(solver.eigenvalues().maxCoeff()));
 }
 

@@ -74,14 +74,13 @@ struct SiegelReduction {
 /// |X_jk| <= 1/2 + 1e-12 and |Pi_11| >= 1 - 1e-12.
 /// For g = 1 the point of reduceToFundamentalDomain, with its rules for the border. For g > 1 it is
 /// not unique: several reduced points may belong to one surface, and ties are left as they are.
-/// energy: 2 g x 2 g, symmetric positive definite and symplectic. Rounding does not pile up over the
-/// steps, but that of `energy` itself grows by the condition number of R, so that the result for a
-/// very skew basis is worth projecting once more.
-/// Fails with kInvalidOption unless the size is even and > 0 and the form symplectic,
-/// |E J E - J| <= 1e-8 (1 + max |E|^2); with kNotPositiveDefinite unless it is finite and positive
-/// definite; with kOverflow where R has entries above 2^63; and with kNoConvergence after a
-/// thousand rounds. O(g^3) for each of the rounds, of which there are some g.
-/// Source: MATH 4.8; Deconinck et al. 2004.
+/// energy: 2 g x 2 g, symmetric positive definite and symplectic. Rounding does not pile up over
+/// the steps, but that of `energy` itself grows by the condition number of R, so that the result
+/// for a very skew basis is worth projecting once more. Fails with kInvalidOption unless the size
+/// is even and > 0 and the form symplectic, |E J E - J| <= 1e-8 (1 + max |E|^2); with
+/// kNotPositiveDefinite unless it is finite and positive definite; with kOverflow where R has
+/// entries above 2^63; and with kNoConvergence after a thousand rounds. O(g^3) for each of the
+/// rounds, of which there are some g. Source: MATH 4.8; Deconinck et al. 2004.
 Result<SiegelReduction> siegelReduce(const Eigen::MatrixXd& energy);
 
 }  // namespace moduli

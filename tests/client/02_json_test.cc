@@ -67,6 +67,37 @@ TEST_F(JsonOutput, SignatureOfATorus) {
   EXPECT_GT(json["timing"].keys().size(), 1U);
 }
 
+TEST_F(JsonOutput, SignatureOfAPretzelHasItsPeriods) {
+  sample("p.off", {"genus", "genus=2", "resolution=2"});
+  const Json json = this->json({"signature", "p.off"});
+  EXPECT_THAT(json.keys(), UnorderedElementsAre("topology", "conformal", "vectors",
+                                                "descriptor_version", "certificate", "timing"));
+  const Json block = json["conformal"];
+  EXPECT_THAT(block.keys(), UnorderedElementsAre("type", "period_matrix", "period_error",
+                                                 "energy_spectrum", "energy_spectrum_error"));
+  EXPECT_EQ(block["type"].string(), "HYPERBOLIC");
+  EXPECT_EQ(block["period_matrix"]["size"].number(), 2);
+  ASSERT_EQ(block["period_matrix"]["entries"].size(), 4);
+  EXPECT_GT(block["period_matrix"]["entries"].at(0)["im"].number(), 0);
+  EXPECT_EQ(block["period_matrix"]["entries"].at(1)["re"].number(),
+            block["period_matrix"]["entries"].at(2)["re"].number());
+  ASSERT_EQ(block["energy_spectrum"].size(), 32);
+  EXPECT_LE(block["energy_spectrum"].at(0).number(), block["energy_spectrum"].at(31).number());
+  EXPECT_TRUE(json["certificate"]["riemann_bilinear_residual"].isNumber());
+  EXPECT_LT(json["certificate"]["period_symmetry_residual"].number(), 1e-12);
+  EXPECT_EQ(json["certificate"]["mollification"].number(), 0);
+}
+
+TEST_F(JsonOutput, SignatureOfARingHasItsModulus) {
+  sample("r.off", {"annulus", "resolution=8"});
+  const Json block = this->json({"signature", "r.off"})["conformal"];
+  EXPECT_EQ(block["type"].string(), "ANNULUS");
+  EXPECT_NEAR(block["modulus"].number(), std::log(2) / (2 * std::acos(-1.0)), 1e-3);
+  EXPECT_GT(block["modulus_error"].number(), 0);
+  EXPECT_FALSE(block.has("period_matrix"));
+  EXPECT_FALSE(block.has("tau"));
+}
+
 TEST_F(JsonOutput, SignatureOfOneSpaceHasNoOther) {
   write("a.off", icosahedronOff());
   const Json conformal = json({"signature", "a.off", "--space", "conformal"});

@@ -7,9 +7,12 @@
 #include <numbers>
 #include <vector>
 
+#include "core/forms/cotan.h"
 #include "core/forms/energy_lattice.h"
+#include "core/forms/harmonic.h"
 #include "core/forms/siegel.h"
 #include "core/mesh/samples.h"
+#include "core/topology/surface_topology.h"
 #include "tests/core/forms/glued_surfaces.h"
 #include "tests/core/forms/surfaces.h"
 #include "tests/core/testing.h"
@@ -287,6 +290,47 @@ TEST(Capacity, AndTheDoubleExtrapolateToTheSameEnergies) {
   EXPECT_NEAR(energies[3], published[3], 1e-4);
   const double from_double = least[2] + (least[2] - least[1]) / 3;  // Order 2.
   EXPECT_NEAR(energies[0], from_double, 5e-5);
+}
+
+/// CHECKS E9: h = sum lambda_k u_k with P lambda = 2 pi (e_0 - e_1) is the logarithm of a map to a
+/// circular slit annulus: constant on every loop, with the fluxes 2 pi and -2 pi through loops 0
+/// and 1 and none through the slits.
+TEST(Capacity, SolvesForTheFluxesOfASlitMap) {
+  const MetricSurface mesh = subdivide(plate(9, 9, {{1, 1}, {4, 1}, {7, 1}, {1, 4}, {4, 6}}), 2);
+  const auto bordered = borderedPeriodsOf(mesh);
+  ASSERT_OK(bordered);
+  const auto loops = computeTopology(mesh.surface).boundary_loops;
+  const Eigen::MatrixXd& p = bordered->capacity;
+  ASSERT_EQ(p.rows() + 1, static_cast<Eigen::Index>(loops.size()));
+  // Loop 0 has lambda = 0; its flux is what the others leave.
+  Eigen::VectorXd flux = Eigen::VectorXd::Zero(p.rows());
+  flux[0] = -2 * std::numbers::pi;
+  const Eigen::VectorXd lambda = p.ldlt().solve(flux);
+  std::vector<bool> fixed(mesh.surface.vertexCount(), false);
+  RowMajorMatrix values = RowMajorMatrix::Zero(mesh.surface.vertexCount(), 1);
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    for (const Index h : loops[k]) {
+      fixed[mesh.surface.tail(h)] = true;
+      values(mesh.surface.tail(h), 0) = k == 0 ? 0 : lambda[static_cast<Eigen::Index>(k) - 1];
+    }
+  }
+  Context context;
+  const auto weights = cotanWeights(mesh.surface, mesh.lengths);
+  const auto h = harmonicFunctions(context, mesh.surface, weights, fixed, values);
+  ASSERT_OK(h);
+  std::vector<double> through(mesh.surface.vertexCount(), 0.0);
+  for (Index e = 0; e < mesh.surface.edgeCount(); ++e) {
+    const Index a = mesh.surface.tail(mesh.surface.halfedge(e));
+    const Index b = mesh.surface.head(mesh.surface.halfedge(e));
+    through[a] += weights[e] * ((*h)(a, 0) - (*h)(b, 0));
+    through[b] += weights[e] * ((*h)(b, 0) - (*h)(a, 0));
+  }
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    double sum = 0;
+    for (const Index edge : loops[k]) sum += through[mesh.surface.tail(edge)];
+    const double expected = k == 0 ? 2 * std::numbers::pi : k == 1 ? -2 * std::numbers::pi : 0;
+    EXPECT_NEAR(sum, expected, 1e-9) << k;
+  }
 }
 
 /// The energy of gamma and half the flux stand on the diagonal of the double's energy form, so that
