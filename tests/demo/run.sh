@@ -7,7 +7,7 @@ out=$2
 moduli="$bin/moduli"
 
 rm -rf "$out"
-mkdir -p "$out/meshes/spheres" "$out/meshes/tori"
+mkdir -p "$out/meshes/spheres" "$out/meshes/tori" "$out/meshes/pretzels" "$out/meshes/plates"
 export MODULI_DATA="$out/store"
 unset MODULI_SERVER
 
@@ -26,6 +26,10 @@ for l in 0.5 1.5; do sample "spheres/capsule-$l" capped-cylinder radius=1 half_l
 for R in 1.3 1.6 2 3; do sample "tori/torus-$R" torus R=$R r=1 resolution=32; done
 sample tori/clifford torus R=1.4142135623730951 r=1 resolution=40 seed=7
 sample tori/diplotorus diplotorus n=6 phi=0.03 h=0.6 s=-2 s2=0 resolution=6
+for g in 2 3; do sample "pretzels/genus-$g" genus genus=$g resolution=8; done
+sample pretzels/genus-2-remeshed genus genus=2 resolution=8 seed=5
+for R in 2 5; do sample "plates/ring-$R" annulus r=1 R=$R resolution=16; done
+for step in 3 4 6; do sample "plates/two-holes-$step" plate holes=2 hole_step=$step resolution=6; done
 ls "$out"/meshes/*
 
 say "2. What is in a mesh: moduli inspect"
@@ -44,6 +48,17 @@ say "5. Search by shape: who looks like a capsule?"
 say "6. Search by conformal structure: which tori have the angles of the Clifford torus?"
 "$moduli" search -c demo "$out/meshes/tori/clifford.ply" --space conformal -k 6 \
   --picture "$out/search-clifford.png"
+
+say "7. A pretzel has a matrix of periods, and energies that no choice of loops changes"
+"$moduli" signature "$out/meshes/pretzels/genus-2.ply" --space conformal
+"$moduli" search -c demo "$out/meshes/pretzels/genus-2-remeshed.ply" --space conformal -k 3
+
+say "8. A ring with radii 1 and 5 has the modulus log 5 / (2 pi) = 0.2561..."
+"$moduli" signature "$out/meshes/plates/ring-5.ply" --space conformal
+
+say "9. Plates with two holes, by the periods of their doubles"
+"$moduli" search -c demo "$out/meshes/plates/two-holes-4.ply" --space conformal -k 3 \
+  --picture "$out/search-plates.png"
 
 say "Done. Look at:"
 ls "$out"/*.png
