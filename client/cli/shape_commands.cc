@@ -12,11 +12,17 @@ namespace {
 
 constexpr std::size_t kRowsAtOnce = 1000;
 
+// The conformal type; a dash where the block was left out.
+std::string typeWord(const v1::Signature& signature) {
+  return signature.has_conformal() ? v1::ConformalBlock::Type_Name(signature.conformal().type())
+                                   : "-";
+}
+
 std::vector<std::string> listRow(const v1::Shape& shape) {
   const v1::Topology& topology = shape.signature().topology();
   return {safe(idOf(shape.name())),
           safe(shape.label()),
-          v1::ConformalBlock::Type_Name(shape.signature().conformal().type()),
+          typeWord(shape.signature()),
           topology.has_genus() ? std::to_string(topology.genus()) : "-",
           std::to_string(topology.boundary_loops()),
           std::to_string(topology.vertices()),
