@@ -170,7 +170,7 @@ std::vector<double> shortest(const MatrixXd& energy, std::size_t count) {
   Context context;
   const auto energies = shortestEnergies(context, energy, count);
   EXPECT_OK(energies);
-  return energies.ok() ? *energies : std::vector<double>{};
+  return energies.ok() ? *energies : std::vector<double>(count);
 }
 
 std::vector<double> theta(const MatrixXd& energy, const std::vector<double>& t) {

@@ -153,10 +153,17 @@ TEST(LatticeReduction, RefusesWhatIsNotPositiveDefinite) {
   }
   EXPECT_THAT(reduceLattice(MatrixXd()), FailsWith(Reason::kNotPositiveDefinite));
   EXPECT_THAT(reduceLattice(MatrixXd::Ones(2, 3)), FailsWith(Reason::kNotPositiveDefinite));
-  // Singular, with a last square that rounding makes positive.
-  const Eigen::Vector3d a(0.1, 0.2, 0.3), b(0.7, -0.4, 0.9);
-  const MatrixXd flat = a * a.transpose() + b * b.transpose();
-  EXPECT_THAT(reduceLattice(flat), FailsWith(Reason::kNotPositiveDefinite));
+}
+
+/// Their last squares are of the order of rounding, some of them positive.
+TEST(LatticeReduction, RefusesWhatIsSingularUpToRounding) {
+  std::mt19937 random(6);
+  for (int trial = 0; trial < 200; ++trial) {
+    MatrixXd flat(3, 2);
+    for (double& entry : flat.reshaped()) entry = uniform(random, -0.3, 0.3);
+    flat.topRows(2).diagonal().array() += 1;
+    EXPECT_THAT(reduceLattice(flat * flat.transpose()), FailsWith(Reason::kNotPositiveDefinite));
+  }
 }
 
 TEST(LatticeReduction, NoticesOverflow) {

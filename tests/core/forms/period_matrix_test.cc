@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/forms/energy_lattice.h"
+#include "core/forms/siegel.h"
 #include "core/mesh/samples.h"
 #include "tests/core/forms/glued_surfaces.h"
 #include "tests/core/forms/surfaces.h"
@@ -243,6 +244,31 @@ TEST(PeriodMatrix, PrintedErrorIsTightOnFlatTori) {
     EXPECT_LT(std::abs(closed->periods.period(0, 0) - tau), closed->periods.error);
     EXPECT_LT(closed->periods.error, 1e-11);
   }
+}
+
+/// A long and a short handle: the error of the long one's period is the one that is printed.
+TEST(PeriodMatrix, PrintedErrorCoversTheLargestEntry) {
+  Eigen::MatrixXcd exact(2, 2);
+  exact << std::complex(0.2, 1.1), std::complex(-0.3, 0.4), std::complex(-0.3, 0.4),
+      std::complex(0.1, 30.0);
+  const Eigen::MatrixXd energy = energyOfPeriod(exact);
+  for (int direction = 0; direction < 4; ++direction) {
+    // The energy of one class is too large by a thousandth.
+    Eigen::MatrixXd upper = energy;
+    upper(direction, direction) *= 1.001;
+    const auto periods = certifyPeriods(upper, 0);
+    ASSERT_OK(periods);
+    const double largest = (periods->period - exact).cwiseAbs().maxCoeff();
+    EXPECT_LE(largest, periods->error) << direction;
+    if (direction % 2 == 1) {
+      // No bound from the short handle would do.
+      EXPECT_GT(largest, exact(0, 0).imag() * std::expm1(periods->spread));
+    }
+  }
+  // Rounding widens the bounds by as much.
+  const auto rounded = certifyPeriods(energy, 1e-3);
+  ASSERT_OK(rounded);
+  EXPECT_NEAR(rounded->spread, 1e-3, 1e-6);
 }
 
 TEST(PeriodMatrix, RefusesSurfacesWithoutPeriods) {

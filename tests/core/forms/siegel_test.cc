@@ -364,6 +364,32 @@ TEST(SiegelReduction, UndoesRandomWords) {
   }
 }
 
+/// As the comment of projectSymplectic advises.
+TEST(SiegelReduction, ProjectingAnewAfterItRestoresTheDigits) {
+  std::mt19937 random(17);
+  double skewest = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const Index g = 2 + trial % 2;
+    const MatrixXd energy_h = raised(random, energyOfPeriod(randomPeriod(random, g, 2)), 0.01);
+    const MatrixXd given = congruence(randomWord(random, g, 60), energy_h);
+    skewest = std::max(skewest, largest(given));
+    const auto rough = projectSymplectic(given);
+    ASSERT_OK(rough);
+    const auto reduced = siegelReduce(rough->energy);
+    ASSERT_OK(reduced);
+    const auto anew = projectSymplectic(congruence(reduced->transform, given));
+    const auto expected = projectSymplectic(energy_h);
+    ASSERT_OK(anew);
+    const double rounding = 1e-15 * (1 + std::pow(largest(given), 2));
+    EXPECT_NEAR(anew->spread, expected->spread, rounding);
+    const MatrixXd& m = anew->energy;
+    EXPECT_LT(largest(MatrixXd(m * form(g) * m - form(g))), 1e-12);
+    EXPECT_NEAR(periodOf(m).imag().determinant() / periodOf(expected->energy).imag().determinant(),
+                1, rounding);
+  }
+  EXPECT_GT(skewest, 1e4);
+}
+
 TEST(SiegelReduction, KeepsReducedPoints) {
   std::mt19937 random(14);
   for (int trial = 0; trial < 20; ++trial) {
