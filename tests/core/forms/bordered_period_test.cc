@@ -43,29 +43,6 @@ MetricSurface sampleSurface(const std::string& kind, const std::map<std::string,
   return fromPositions(soup->vertices, soup->faces);
 }
 
-/// The last two ratios of successive errors, each for half the mesh width, have this order.
-void expectOrder(const std::vector<double>& errors, double order) {
-  for (std::size_t k = errors.size() - 2; k < errors.size(); ++k) {
-    EXPECT_NEAR(std::log2(errors[k - 1] / errors[k]), order, 0.25) << k;
-  }
-}
-
-/// CHECKS E1. The polygons approach the circles at second order too.
-TEST(AnnulusModulus, OfARoundAnnulusConvergesAtSecondOrder) {
-  const double exact = std::log(2.5) / (2 * std::numbers::pi);
-  std::vector<double> errors;
-  for (const double resolution : {4.0, 8.0, 16.0, 32.0}) {
-    const auto ring = borderedPeriodsOf(
-        sampleSurface("annulus", {{"r", 2}, {"R", 5}, {"resolution", resolution}}));
-    ASSERT_OK(ring);
-    ASSERT_TRUE(ring->modulus);
-    EXPECT_LT(ring->modulus->lower, ring->modulus->value);
-    EXPECT_LT(ring->modulus->value, ring->modulus->upper);
-    errors.push_back(std::abs(ring->modulus->value - exact));
-  }
-  expectOrder(errors, 2);
-}
-
 /// CHECKS E2: a cylinder over a regular polygon is flat, its modulus height over perimeter.
 TEST(AnnulusModulus, OfACylinderIsHeightOverPerimeter) {
   for (const int sides : {3, 5, 24}) {
@@ -95,41 +72,6 @@ TEST(AnnulusModulus, OfACylinderIsHeightOverPerimeter) {
       EXPECT_LT(periods->modulus->upper / periods->modulus->lower, 1 + 1e-10);
     }
   }
-}
-
-struct Frame {
-  int half, hole;
-  double capacity;
-};
-
-class SquareFrame : public testing::TestWithParam<Frame> {};
-
-INSTANTIATE_TEST_SUITE_P(Ratios, SquareFrame,
-                         testing::Values(Frame{2, 1, 10.23409256936805173},
-                                         Frame{10, 1, 2.83977741905223667},
-                                         Frame{10, 9, 74.2349151987788367}),
-                         [](const auto& frame) {
-                           return std::to_string(frame.param.hole) + "of" +
-                                  std::to_string(frame.param.half);
-                         });
-
-/// CHECKS E3, E4, C8: cones of 3 pi at the inner corners of the double slow the raw energies down
-/// to order 4/3; their errors cancel in the projected modulus.
-TEST_P(SquareFrame, CapacityConvergesAtTheOrderOfItsCorners) {
-  const auto [half, hole, exact] = GetParam();
-  const MetricSurface frame = squareFrame(half, hole);
-  std::vector<double> raw, projected;
-  for (const int n : {1, 2, 4, 8}) {
-    const auto periods = borderedPeriodsOf(subdivide(frame, n));
-    ASSERT_OK(periods);
-    raw.push_back(periods->capacity(0, 0) - exact);
-    projected.push_back(std::abs(periods->modulus->value - 1 / exact));
-    EXPECT_GT(raw.back(), 0);
-    EXPECT_LE(periods->modulus->lower, 1 / exact);
-    EXPECT_GE(periods->modulus->upper, 1 / exact);
-  }
-  expectOrder(raw, 4.0 / 3);
-  EXPECT_LT(projected.back(), 0.1 * raw.back() / (exact * exact));
 }
 
 /// The double built and its periods computed as those of any closed surface: a second way to the
@@ -256,40 +198,6 @@ TEST(Capacity, GivesThePeriodsOfTheDoubleOfAPlate) {
   for (std::size_t k = 0; k < raw.size(); ++k) {
     EXPECT_LE(std::abs(std::log(raw[k] / projected[k])), bordered->periods.spread * (1 + 1e-9));
   }
-}
-
-/// CHECKS D6b and D11: two extrapolations of one genus-2 surface, by its double and by fluxes.
-TEST(Capacity, AndTheDoubleExtrapolateToTheSameEnergies) {
-  const MetricSurface base = plate(7, 3, {{1, 1}, {4, 1}});
-  const std::vector<double> published{.34488, .36922, .66479, .76341};
-  const std::vector<double> gaps{.2258, .0848, .0329};
-  std::vector<double> least;
-  Eigen::MatrixXd before, extrapolated;
-  for (std::size_t k = 0; k < gaps.size(); ++k) {
-    const MetricSurface mesh = subdivide(base, 2 << k);
-    const auto closed = closedPeriodsOf(doubled(mesh));
-    ASSERT_OK(closed);
-    EXPECT_NEAR((closed->energy.determinant() - 1) / gaps[k], 1, 5e-3);
-    least.push_back(spectrum(closed->periods.energy)[0]);
-    const auto bordered = borderedPeriodsOf(mesh);
-    ASSERT_OK(bordered);
-    const double ratio = std::pow(2, 4.0 / 3);
-    if (k > 0) extrapolated = (ratio * bordered->capacity - before) / (ratio - 1);
-    before = bordered->capacity;
-  }
-  // Projected values of the least energy as published for n = 2, 4, 8.
-  EXPECT_NEAR(least[0], .345808, 2e-6);
-  EXPECT_NEAR(least[1], .345099, 2e-6);
-  EXPECT_NEAR(least[2], .344940, 2e-6);
-  Eigen::MatrixXcd period = Eigen::MatrixXcd::Zero(2, 2);
-  period.imag() = 2 * extrapolated.inverse();
-  const auto energies = spectrum(energyOfPeriod(period));
-  EXPECT_NEAR(energies[0], published[0], 5e-5);
-  EXPECT_NEAR(energies[1], published[1], 5e-5);
-  EXPECT_NEAR(energies[2], published[2], 1e-4);
-  EXPECT_NEAR(energies[3], published[3], 1e-4);
-  const double from_double = least[2] + (least[2] - least[1]) / 3;  // Order 2.
-  EXPECT_NEAR(energies[0], from_double, 5e-5);
 }
 
 /// CHECKS E9: h = sum lambda_k u_k with P lambda = 2 pi (e_0 - e_1) is the logarithm of a map to a

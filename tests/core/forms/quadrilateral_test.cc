@@ -51,33 +51,6 @@ TEST(QuadrilateralModulus, OfARectangleIsWidthOverHeight) {
   EXPECT_NEAR(turned->value / (1.1 / 3.2), 1, 1e-12);
 }
 
-/// An L of three unit squares with arms along the axes.
-MetricSurface lShape() {
-  return fromPositions(
-      {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {0, 2, 0}, {1, 2, 0}},
-      {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {3, 4, 7}, {3, 7, 6}});
-}
-
-/// CHECKS E5: between the ends of its arms, with the lower bounds of a five-point scheme, which the
-/// cotan scheme on right triangles is.
-TEST(QuadrilateralModulus, OfTheLConvergesAtTheOrderOfItsCorner) {
-  const double exact = 2.558523142342012932;
-  const std::vector<double> published{2.538364, 2.550386, 2.555261, 2.557221};
-  std::vector<double> errors, projected;
-  for (std::size_t k = 0; k < published.size(); ++k) {
-    const auto modulus = modulusOf(subdivide(lShape(), 8 << k), {6, 2, 5, 7});
-    ASSERT_OK(modulus);
-    EXPECT_NEAR(modulus->lower, published[k], 1e-6);
-    EXPECT_GE(modulus->upper, exact);
-    errors.push_back(exact - modulus->lower);
-    projected.push_back(std::abs(modulus->value - exact));
-  }
-  for (std::size_t k = 2; k < errors.size(); ++k) {
-    EXPECT_NEAR(std::log2(errors[k - 1] / errors[k]), 4.0 / 3, 0.25);
-  }
-  EXPECT_LT(projected.back(), errors.back());
-}
-
 /// CHECKS E7 and E8: a reflection that exchanges the pairs of sides forces 1; in any case the two
 /// bounds are reciprocal to those of the quadrilateral turned by one corner.
 TEST(QuadrilateralModulus, OfASymmetricSquareIsOneAndTurningGivesTheReciprocal) {
