@@ -104,14 +104,18 @@ std::vector<CommandSpec> computeCommands() {
        .summary = "Compute the signature of a surface",
        .details = "The signature tells what a surface keeps when it is deformed: its conformal "
                   "class (space conformal), what bending keeps (metric), and what rigid motion and "
-                  "scaling keep (shape). The certificate that comes with it carries the residuals "
-                  "to judge it by. A surface of several components is refused unless --component "
+                  "scaling keep (shape). Every connected surface has a conformal class: tau for a "
+                  "torus, the modulus of a ring, a period matrix and its energies for anything "
+                  "with more handles or holes, each with a certified error. Closed surfaces of "
+                  "genus 0 and 1 have the other two as well. The certificate that comes with it "
+                  "carries the residuals to judge it by. A surface of several components is "
+                  "refused unless --component "
                   "says which one is meant.",
        .arguments = {{.name = "MESH", .help = kMeshHelp}},
        .options = signatureOptions(),
        .run = runSignature,
        .examples =
-           "moduli signature kitten.off\nmoduli signature --json --space conformal torus.off"},
+           "moduli signature kitten.off\nmoduli signature --json --space conformal pretzel.off"},
       {.path = "distance",
        .summary = "Tell how far two surfaces are apart in each space",
        .details = "Compares the signatures of two surfaces, without a map between them. A space in "
