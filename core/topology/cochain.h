@@ -31,7 +31,8 @@ Result<Cochain> combineCochains(const std::vector<Cochain>& cochains,
 
 /// Intersection numbers of closed cochains: entry (i, k) is the integral of a[i] ^ b[k]. On a
 /// surface with boundary the a or the b must vanish on the boundary's edges. No value of an a times
-/// one of a b is larger than kLargestCochainValue. O(E + |a| n) for n terms of b in all. Source: MATH 1 (wedge product of Whitney forms).
+/// one of a b is larger than kLargestCochainValue. O(E + |a| n) for n terms of b in all. Source:
+/// MATH 1 (wedge product of Whitney forms).
 IntegerMatrix intersectionMatrix(const Connectivity& surface, const std::vector<Cochain>& a,
                                  const std::vector<Cochain>& b);
 
