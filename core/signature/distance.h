@@ -9,7 +9,7 @@ namespace moduli {
 /// Distances of two signatures; a space where none is defined is empty.
 struct SignatureDistances {
   /// Spheres, disks: 0. Tori, annuli: the Teichmüller distance. Other types: the lower bound of it
-  /// that the energy spectra give, the largest |log(energy_1 / energy_2)| / 2; 0 for equal spectra.
+  /// that the energy spectra give, the largest |log(energy_1 / energy_2)| / 2, up to their errors.
   /// Different types, genera or numbers of boundary loops: empty.
   std::optional<double> conformal;
   std::optional<double> metric;  ///< Euclidean distance of the amplitude spectra.
