@@ -87,9 +87,10 @@ Result<BorderedPeriods> computeBorderedPeriods(Context& context, const Connectiv
   const double rounding = std::max(relativeRounding(tangential), relativeRounding(normal));
   BorderedPeriods result;
   result.solver_residual = forms.solver_residual;
-  ASSIGN_OR_RETURN(result.periods,
-                   certifyReducedPeriods(
-                       doubleEnergy(topology.genus, tangential.energy, normal.energy), rounding));
+  ASSIGN_OR_RETURN(
+      result.periods,
+      certifyReducedPeriods(context, doubleEnergy(topology.genus, tangential.energy, normal.energy),
+                            rounding));
   const auto others = static_cast<Eigen::Index>(loops.size()) - 1;
   result.capacity = normal.energy.bottomRightCorner(others, others);
   if (topology.genus == 0 && others == 1) {

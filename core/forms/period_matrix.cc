@@ -35,20 +35,20 @@ bool isIdentity(const IntegerMatrix& matrix) {
 }
 
 /// The change to a basis that is reduced by `energy`, the energy of the given one.
-Result<IntegerMatrix> reducingChange(const Eigen::MatrixXd& energy) {
+Result<IntegerMatrix> reducingChange(Context& context, const Eigen::MatrixXd& energy) {
   ASSIGN_OR_RETURN(const SymplecticProjection projection, projectSymplectic(energy));
-  ASSIGN_OR_RETURN(SiegelReduction reduced, siegelReduce(projection.energy));
+  ASSIGN_OR_RETURN(SiegelReduction reduced, siegelReduce(context, projection.energy));
   return std::move(reduced.transform);
 }
 
 /// Energies of the forms in a basis that they themselves call reduced: there, nothing cancels.
-Result<EnergyForm> reducedEnergy(const Connectivity& surface, const std::vector<double>& lengths,
-                                 FormBasis& forms) {
+Result<EnergyForm> reducedEnergy(Context& context, const Connectivity& surface,
+                                 const std::vector<double>& lengths, FormBasis& forms) {
   // The second round finds nothing to do, unless rounding spoiled the first of a very long basis.
   constexpr int kRounds = 5;
   EnergyForm form = energyForm(surface, lengths, forms);
   for (int round = 0; round < kRounds; ++round) {
-    ASSIGN_OR_RETURN(const IntegerMatrix change, reducingChange(form.energy));
+    ASSIGN_OR_RETURN(const IntegerMatrix change, reducingChange(context, form.energy));
     if (isIdentity(change)) break;
     ASSIGN_OR_RETURN(forms, changeBasis(std::move(forms), change));
     form = energyForm(surface, lengths, forms);
@@ -87,9 +87,10 @@ Result<PeriodMatrix> certifyPeriods(const Eigen::MatrixXd& energy, double roundi
                 "the triangles or the surface are too thin for double precision"};
 }
 
-Result<PeriodMatrix> certifyReducedPeriods(const Eigen::MatrixXd& energy, double rounding) {
+Result<PeriodMatrix> certifyReducedPeriods(Context& context, const Eigen::MatrixXd& energy,
+                                           double rounding) {
   ASSIGN_OR_RETURN(const SymplecticProjection projection, projectSymplectic(energy));
-  ASSIGN_OR_RETURN(const SiegelReduction reduced, siegelReduce(projection.energy));
+  ASSIGN_OR_RETURN(const SiegelReduction reduced, siegelReduce(context, projection.energy));
   return certifyPeriods(congruence(reduced.transform, energy), rounding);
 }
 
@@ -112,12 +113,12 @@ Result<ClosedPeriods> computePeriods(Context& context, const Connectivity& surfa
   result.solver_residual = harmonic.solver_residual;
   // A first reduction by the fluxes, which cost nothing; where needles drown them, there is none.
   FormBasis& forms = harmonic.forms;
-  const auto change = reducingChange(fluxEnergy(surface, weights, cochains, forms));
+  const auto change = reducingChange(context, fluxEnergy(surface, weights, cochains, forms));
   if (change.ok()) {
     ASSIGN_OR_RETURN(forms, changeBasis(std::move(forms), *change));
   }
   RETURN_IF_ERROR(context.check());
-  ASSIGN_OR_RETURN(const EnergyForm form, reducedEnergy(surface, lengths, forms));
+  ASSIGN_OR_RETURN(const EnergyForm form, reducedEnergy(context, surface, lengths, forms));
   ASSIGN_OR_RETURN(result.periods, certifyPeriods(form.energy, relativeRounding(form)));
   result.energy = form.energy;
   result.harmonic = std::move(forms);

@@ -38,7 +38,8 @@ double relativeRounding(const EnergyForm& form);
 Result<PeriodMatrix> certifyPeriods(const Eigen::MatrixXd& energy, double rounding);
 
 /// The same in a Siegel-reduced marking. Fails as siegelReduce too.
-Result<PeriodMatrix> certifyReducedPeriods(const Eigen::MatrixXd& energy, double rounding);
+Result<PeriodMatrix> certifyReducedPeriods(Context& context, const Eigen::MatrixXd& energy,
+                                           double rounding);
 
 /// The periods of a closed surface, with the forms that have them.
 struct ClosedPeriods {

@@ -222,7 +222,7 @@ Result<SymplecticProjection> projectSymplectic(const MatrixXd& energy_h) {
                 "the surface is too thin for double precision"};
 }
 
-Result<SiegelReduction> siegelReduce(const MatrixXd& energy) {
+Result<SiegelReduction> siegelReduce(Context& context, const MatrixXd& energy) {
   RETURN_IF_ERROR(checkEnergy(energy));
   const double largest = energy.cwiseAbs().maxCoeff();
   if (!(symplecticDefect(energy) <= kSymplectic * (1 + largest * largest))) {
@@ -231,6 +231,7 @@ Result<SiegelReduction> siegelReduce(const MatrixXd& energy) {
   Traveller traveller(energy);
   if (energy.rows() == 2) return reduceTorus(traveller);
   for (int round = 0; round < kMaxRounds; ++round) {
+    RETURN_IF_ERROR(context.check());
     ASSIGN_OR_RETURN(const bool shortened, traveller.shorten());
     ASSIGN_OR_RETURN(const bool translated, traveller.translate());
     ASSIGN_OR_RETURN(const bool inverted, traveller.invert());

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "core/base/context.h"
 #include "core/base/status.h"
 #include "core/topology/integer_matrix.h"
 
@@ -9,7 +10,7 @@
 /// structures of surfaces of genus g live.
 ///
 ///   ASSIGN_OR_RETURN(const SymplecticProjection projection, projectSymplectic(energy_h));
-///   ASSIGN_OR_RETURN(const SiegelReduction reduced, siegelReduce(projection.energy));
+///   ASSIGN_OR_RETURN(const SiegelReduction reduced, siegelReduce(context, projection.energy));
 ///   ASSIGN_OR_RETURN(const PeriodPoint point, periodOfEnergy(reduced.energy));
 ///
 /// Energies are 2 g x 2 g Gram matrices of harmonic forms in a basis (alpha_1..g, beta_1..g) of the
@@ -79,8 +80,9 @@ struct SiegelReduction {
 /// for a very skew basis is worth projecting once more. Fails with kInvalidOption unless the size
 /// is even and > 0 and the form symplectic, |E J E - J| <= 1e-8 (1 + max |E|^2); with
 /// kNotPositiveDefinite unless it is finite and positive definite; with kOverflow where R has
-/// entries above 2^63; and with kNoConvergence after a thousand rounds. O(g^3) for each of the
-/// rounds, of which there are some g. Source: MATH 4.8; Deconinck et al. 2004.
-Result<SiegelReduction> siegelReduce(const Eigen::MatrixXd& energy);
+/// entries above 2^63; with kNoConvergence after a thousand rounds; and as context.check(), which
+/// is asked in each round. O(g^3) for each of the rounds, of which there are some g. Source:
+/// MATH 4.8; Deconinck et al. 2004.
+Result<SiegelReduction> siegelReduce(Context& context, const Eigen::MatrixXd& energy);
 
 }  // namespace moduli

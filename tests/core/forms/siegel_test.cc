@@ -14,6 +14,11 @@
 namespace moduli {
 namespace {
 
+Result<SiegelReduction> reduce(const Eigen::MatrixXd& energy) {
+  Context context;
+  return siegelReduce(context, energy);
+}
+
 using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
@@ -336,7 +341,7 @@ TEST(SiegelReduction, IsThatOfTheModularGroupForTheTorus) {
   }
   for (const Complex tau : taus) {
     const MatrixXd energy = energyOfPeriod(MatrixXcd::Constant(1, 1, tau));
-    const auto reduced = siegelReduce(energy);
+    const auto reduced = reduce(energy);
     ASSERT_OK(reduced);
     ASSERT_TRUE(isSymplectic(reduced->transform));
     const Complex found = periodOf(reduced->energy)(0, 0);
@@ -355,7 +360,7 @@ TEST(SiegelReduction, UndoesRandomWords) {
     for (int trial = 0; trial < 40; ++trial) {
       const MatrixXcd period = randomPeriod(random, g, 2);
       const MatrixXd given = congruence(randomWord(random, g, 12), energyOfPeriod(period));
-      const auto reduced = siegelReduce(given);
+      const auto reduced = reduce(given);
       ASSERT_OK(reduced);
       expectReduced(*reduced, given);
       const MatrixXcd found = periodOf(reduced->energy);
@@ -375,7 +380,7 @@ TEST(SiegelReduction, ProjectingAnewAfterItRestoresTheDigits) {
     skewest = std::max(skewest, largest(given));
     const auto rough = projectSymplectic(given);
     ASSERT_OK(rough);
-    const auto reduced = siegelReduce(rough->energy);
+    const auto reduced = reduce(rough->energy);
     ASSERT_OK(reduced);
     const auto anew = projectSymplectic(congruence(reduced->transform, given));
     const auto expected = projectSymplectic(energy_h);
@@ -393,9 +398,9 @@ TEST(SiegelReduction, ProjectingAnewAfterItRestoresTheDigits) {
 TEST(SiegelReduction, KeepsReducedPoints) {
   std::mt19937 random(14);
   for (int trial = 0; trial < 20; ++trial) {
-    const auto once = siegelReduce(energyOfPeriod(randomPeriod(random, 3, 0.4)));
+    const auto once = reduce(energyOfPeriod(randomPeriod(random, 3, 0.4)));
     ASSERT_OK(once);
-    const auto twice = siegelReduce(once->energy);
+    const auto twice = reduce(once->energy);
     ASSERT_OK(twice);
     EXPECT_EQ(twice->transform, IntegerMatrix::Identity(6, 6));
     EXPECT_EQ(twice->energy, once->energy);
@@ -413,7 +418,7 @@ TEST(SiegelReduction, EndsOnSymmetricPeriods) {
     for (int trial = 0; trial < 20; ++trial) {
       const IntegerMatrix word = randomWord(random, period.rows(), trial);
       const MatrixXd given = congruence(word, energyOfPeriod(period));
-      const auto reduced = siegelReduce(given);
+      const auto reduced = reduce(given);
       ASSERT_OK(reduced);
       expectReduced(*reduced, given);
     }
@@ -425,7 +430,7 @@ TEST(SiegelReduction, ReachesLargeGenus) {
   const Index g = 26;
   const MatrixXd given =
       congruence(randomWord(random, g, 80), energyOfPeriod(randomPeriod(random, g, 1)));
-  const auto reduced = siegelReduce(given);
+  const auto reduced = reduce(given);
   ASSERT_OK(reduced);
   expectReduced(*reduced, given);
 }
@@ -437,7 +442,7 @@ TEST(Faults, AreRefused) {
   for (const MatrixXd& energy : {odd, empty, wide}) {
     EXPECT_THAT(periodOfEnergy(energy), FailsWith(Reason::kInvalidOption));
     EXPECT_THAT(projectSymplectic(energy), FailsWith(Reason::kInvalidOption));
-    EXPECT_THAT(siegelReduce(energy), FailsWith(Reason::kInvalidOption));
+    EXPECT_THAT(reduce(energy), FailsWith(Reason::kInvalidOption));
   }
   MatrixXd not_a_number = MatrixXd::Identity(4, 4);
   not_a_number(2, 1) = not_a_number(1, 2) = std::nan("");
@@ -446,16 +451,24 @@ TEST(Faults, AreRefused) {
   for (const MatrixXd& energy : {not_a_number, indefinite}) {
     EXPECT_THAT(periodOfEnergy(energy), FailsWith(Reason::kNotPositiveDefinite));
     EXPECT_THAT(projectSymplectic(energy), FailsWith(Reason::kNotPositiveDefinite));
-    EXPECT_THAT(siegelReduce(energy), FailsWith(Reason::kNotPositiveDefinite));
+    EXPECT_THAT(reduce(energy), FailsWith(Reason::kNotPositiveDefinite));
   }
-  EXPECT_THAT(siegelReduce(2 * MatrixXd::Identity(4, 4)), FailsWith(Reason::kInvalidOption));
+  EXPECT_THAT(reduce(2 * MatrixXd::Identity(4, 4)), FailsWith(Reason::kInvalidOption));
   EXPECT_TRUE(std::isnan(energyOfPeriod(-kI * MatrixXcd::Identity(2, 2))(0, 0)));
 }
 
 TEST(Faults, OverflowOfTheBasisIsNoticed) {
   MatrixXcd far(2, 2);
   far << Complex(1e19, 1e13), 0, 0, Complex(0, 1);
-  EXPECT_THAT(siegelReduce(energyOfPeriod(far)), FailsWith(Reason::kOverflow));
+  EXPECT_THAT(reduce(energyOfPeriod(far)), FailsWith(Reason::kOverflow));
+}
+
+TEST(SiegelReduction, StopsWhenCancelled) {
+  Context context;
+  CancelToken token;
+  token.cancel();
+  context.setCancelToken(token);
+  EXPECT_THAT(siegelReduce(context, MatrixXd::Identity(4, 4)), FailsWith(Reason::kCancelled));
 }
 
 }  // namespace
