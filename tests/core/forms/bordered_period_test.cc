@@ -8,40 +8,16 @@
 #include <vector>
 
 #include "core/forms/cotan.h"
-#include "core/forms/energy_lattice.h"
 #include "core/forms/harmonic.h"
 #include "core/forms/siegel.h"
-#include "core/mesh/samples.h"
 #include "core/topology/surface_topology.h"
 #include "tests/core/forms/glued_surfaces.h"
+#include "tests/core/forms/period_testing.h"
 #include "tests/core/forms/surfaces.h"
 #include "tests/core/testing.h"
 
 namespace moduli {
 namespace {
-
-Result<BorderedPeriods> borderedPeriodsOf(const MetricSurface& mesh) {
-  Context context;
-  return computeBorderedPeriods(context, mesh.surface, mesh.lengths);
-}
-
-Result<ClosedPeriods> closedPeriodsOf(const MetricSurface& mesh) {
-  Context context;
-  return computePeriods(context, mesh.surface, mesh.lengths);
-}
-
-std::vector<double> spectrum(const Eigen::MatrixXd& energy, std::size_t count = 32) {
-  Context context;
-  auto energies = shortestEnergies(context, energy, count);
-  EXPECT_OK(energies);
-  return energies.ok() ? *energies : std::vector<double>();
-}
-
-MetricSurface sampleSurface(const std::string& kind, const std::map<std::string, double>& values) {
-  const auto soup = makeSample(kind, values);
-  EXPECT_OK(soup);
-  return fromPositions(soup->vertices, soup->faces);
-}
 
 /// CHECKS E2: a cylinder over a regular polygon is flat, its modulus height over perimeter.
 TEST(AnnulusModulus, OfACylinderIsHeightOverPerimeter) {

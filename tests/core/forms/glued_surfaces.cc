@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
+#include "core/mesh/disjoint_sets.h"
 #include "core/mesh/double_cover.h"
 
 namespace moduli {
@@ -18,21 +18,6 @@ using Gluing = std::vector<std::pair<GluedSide, GluedSide>>;
 Point onCircle(double turn) {
   return std::polar(1.0, 2 * std::numbers::pi * turn);
 }
-
-class CornerClasses {
- public:
-  explicit CornerClasses(Index corners) : parent_(corners) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  Index find(Index c) {
-    while (parent_[c] != c) c = parent_[c] = parent_[parent_[c]];
-    return c;
-  }
-  void join(Index a, Index b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<Index> parent_;
-};
 
 /// PSL(2, 7): matrices modulo 7 of determinant 1, up to sign.
 class KleinGroup {
@@ -76,7 +61,7 @@ class KleinGroup {
 MetricSurface glueTriangles(const std::vector<PlaneTriangle>& triangles, const Gluing& gluing) {
   const auto count = static_cast<Index>(triangles.size());
   std::vector<Index> twin(3 * count, kNone);
-  CornerClasses classes(3 * count);
+  DisjointSets classes(3 * count);
   const auto halfedge = [](const GluedSide& side) { return 3 * side.first + side.second; };
   for (const auto& [a, b] : gluing) {
     const Index h = halfedge(a);
@@ -91,7 +76,7 @@ MetricSurface glueTriangles(const std::vector<PlaneTriangle>& triangles, const G
   std::vector<double> lengths(3 * count);
   for (Index h = 0; h < 3 * count; ++h) {
     const auto next = static_cast<Index>(vertices.size());
-    faces[h / 3][h % 3] = vertices.try_emplace(classes.find(h), next).first->second;
+    faces[h / 3][h % 3] = vertices.try_emplace(classes.root(h), next).first->second;
     const PlaneTriangle& triangle = triangles[h / 3];
     lengths[h] = std::abs(triangle[(h + 1) % 3] - triangle[h % 3]);
   }

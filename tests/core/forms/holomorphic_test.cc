@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/forms/siegel.h"
-#include "core/mesh/samples.h"
 #include "tests/core/forms/glued_surfaces.h"
+#include "tests/core/forms/period_testing.h"
 #include "tests/core/forms/surfaces.h"
 #include "tests/core/testing.h"
 
@@ -16,11 +16,6 @@ namespace moduli {
 namespace {
 
 using Complex = std::complex<double>;
-
-Result<ClosedPeriods> periodsOf(const MetricSurface& mesh) {
-  Context context;
-  return computePeriods(context, mesh.surface, mesh.lengths);
-}
 
 std::vector<MetricSurface> closedSurfaces() {
   const auto three = makeSample("genus", {{"genus", 3}, {"resolution", 2}, {"seed", 5}});
@@ -40,7 +35,7 @@ Complex wedge(const Connectivity& surface, const auto& x, const auto& y) {
 /// CHECKS D12 (Riemann's bilinear relations), of the forms themselves.
 TEST(HolomorphicForms, ObeyTheBilinearRelations) {
   for (const MetricSurface& mesh : closedSurfaces()) {
-    const auto closed = periodsOf(mesh);
+    const auto closed = closedPeriodsOf(mesh);
     ASSERT_OK(closed);
     const HolomorphicForms zeta = holomorphicForms(*closed);
     const Eigen::MatrixXcd& period = closed->periods.period;
@@ -65,7 +60,8 @@ TEST(HolomorphicForms, BecomeConformalUnderRefinement) {
   const auto coarse = makeSample("genus", {{"genus", 2}, {"resolution", 2}});
   double before = 1;
   for (const int n : {1, 2, 4}) {
-    const auto closed = periodsOf(subdivide(fromPositions(coarse->vertices, coarse->faces), n));
+    const auto closed =
+        closedPeriodsOf(subdivide(fromPositions(coarse->vertices, coarse->faces), n));
     ASSERT_OK(closed);
     EXPECT_GT(closed->periods.riemann_residual, 0);
     EXPECT_LT(closed->periods.riemann_residual, before / 1.8);
@@ -82,7 +78,7 @@ int indexSum(const std::vector<FormZero>& zeros) {
 TEST(FormZeros, AddUpToTheEulerCharacteristicForEveryClosedForm) {
   std::mt19937 random(3);
   for (const MetricSurface& mesh : closedSurfaces()) {
-    const auto closed = periodsOf(mesh);
+    const auto closed = closedPeriodsOf(mesh);
     ASSERT_OK(closed);
     const HolomorphicForms zeta = holomorphicForms(*closed);
     for (int trial = 0; trial < 5; ++trial) {
@@ -110,7 +106,7 @@ TEST(FormZeros, AddUpToTheEulerCharacteristicForEveryClosedForm) {
 TEST(FormZeros, OfAFlatSurfaceLieAtItsCones) {
   const MetricSurface octagon = gluedPolygon(8);
   const MetricSurface mesh = subdivide(octagon, 4);
-  const auto closed = periodsOf(mesh);
+  const auto closed = closedPeriodsOf(mesh);
   ASSERT_OK(closed);
   const HolomorphicForms zeta = holomorphicForms(*closed);
   // dx in a generic direction, from the corners of the triangles; its class gives c, as the forms
@@ -162,7 +158,7 @@ TEST(StarByFaces, IsTheSecondWayToThePeriods) {
     double before = std::numeric_limits<double>::infinity();
     for (const int n : {2, 4, 8}) {
       const MetricSurface mesh = subdivide(coarse, n);
-      const auto closed = periodsOf(mesh);
+      const auto closed = closedPeriodsOf(mesh);
       ASSERT_OK(closed);
       const Eigen::MatrixXd star = starByFaces(mesh.surface, mesh.lengths, closed->harmonic);
       const Eigen::MatrixXd j =

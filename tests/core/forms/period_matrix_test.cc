@@ -9,27 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "core/forms/energy_lattice.h"
 #include "core/forms/siegel.h"
-#include "core/mesh/samples.h"
 #include "tests/core/forms/glued_surfaces.h"
+#include "tests/core/forms/period_testing.h"
 #include "tests/core/forms/surfaces.h"
 #include "tests/core/testing.h"
 
 namespace moduli {
 namespace {
-
-Result<ClosedPeriods> periodsOf(const MetricSurface& mesh) {
-  Context context;
-  return computePeriods(context, mesh.surface, mesh.lengths);
-}
-
-std::vector<double> spectrum(const PeriodMatrix& periods, std::size_t count = 32) {
-  Context context;
-  auto energies = shortestEnergies(context, periods.energy, count);
-  EXPECT_OK(energies);
-  return energies.ok() ? *energies : std::vector<double>();
-}
 
 Eigen::MatrixXd J(Eigen::Index genus) {
   return standardSymplecticForm(genus).cast<double>();
@@ -100,10 +87,10 @@ void expectLevels(const std::vector<double>& energies, const std::vector<Level>&
 
 TEST_P(ExactPeriods, ProjectedEnergiesAreExactOnCoarseMeshes) {
   for (const int n : {3, 4, 7}) {
-    const auto closed = periodsOf(subdivide(surface().base, n));
+    const auto closed = closedPeriodsOf(subdivide(surface().base, n));
     ASSERT_OK(closed);
     ASSERT_EQ(closed->periods.period.rows(), surface().genus);
-    expectLevels(spectrum(closed->periods), surface().levels, surface().name);
+    expectLevels(spectrum(closed->periods.energy), surface().levels, surface().name);
   }
 }
 
@@ -111,7 +98,7 @@ TEST_P(ExactPeriods, ProjectedEnergiesAreExactOnCoarseMeshes) {
 TEST_P(ExactPeriods, BoundsEncloseTheTruth) {
   double before = std::numeric_limits<double>::infinity();
   for (const int n : {2, 4, 8}) {
-    const auto closed = periodsOf(subdivide(surface().base, n));
+    const auto closed = closedPeriodsOf(subdivide(surface().base, n));
     ASSERT_OK(closed);
     const PeriodMatrix& periods = closed->periods;
     const Eigen::MatrixXd& upper = closed->energy;
@@ -131,7 +118,7 @@ TEST_P(ExactPeriods, BoundsEncloseTheTruth) {
 }
 
 TEST_P(ExactPeriods, ProjectionIsAComplexStructure) {
-  const auto closed = periodsOf(subdivide(surface().base, 3));
+  const auto closed = closedPeriodsOf(subdivide(surface().base, 3));
   ASSERT_OK(closed);
   const PeriodMatrix& periods = closed->periods;
   const Eigen::MatrixXd star = J(surface().genus).transpose() * periods.energy;
@@ -147,22 +134,22 @@ TEST_P(ExactPeriods, ProjectionIsAComplexStructure) {
 TEST(PeriodMatrix, NumberingMotionAndScaleChangeNoInvariant) {
   const auto soup = makeSample("genus", {{"genus", 3}, {"resolution", 2}, {"seed", 5}});
   const MetricSurface mesh = fromPositions(soup->vertices, soup->faces);
-  const auto closed = periodsOf(mesh);
+  const auto closed = closedPeriodsOf(mesh);
   ASSERT_OK(closed);
-  const auto energies = spectrum(closed->periods);
+  const auto energies = spectrum(closed->periods.energy);
   for (unsigned seed = 1; seed < 6; ++seed) {
-    const auto other = periodsOf(scale(renumber(mesh, seed), 0.01 * seed));
+    const auto other = closedPeriodsOf(scale(renumber(mesh, seed), 0.01 * seed));
     ASSERT_OK(other);
-    const auto same = spectrum(other->periods);
+    const auto same = spectrum(other->periods.energy);
     for (std::size_t k = 0; k < energies.size(); ++k) {
       EXPECT_NEAR(same[k] / energies[k], 1, 1e-11);
     }
     EXPECT_NEAR(other->periods.spread / closed->periods.spread, 1, 1e-9);
   }
   // Orientation: the mirror image has the same energies; its Pi is -conj(Pi) in some marking.
-  const auto image = periodsOf(mirror(mesh));
+  const auto image = closedPeriodsOf(mirror(mesh));
   ASSERT_OK(image);
-  const auto mirrored = spectrum(image->periods);
+  const auto mirrored = spectrum(image->periods.energy);
   for (std::size_t k = 0; k < energies.size(); ++k) {
     EXPECT_NEAR(mirrored[k] / energies[k], 1, 1e-11);
   }
@@ -172,15 +159,15 @@ TEST(PeriodMatrix, NumberingMotionAndScaleChangeNoInvariant) {
 TEST(PeriodMatrix, TriangulationsOfOneMetricAgreeWithinTheirBounds) {
   const auto soup = makeSample("genus", {{"genus", 2}, {"resolution", 2}});
   const MetricSurface mesh = fromPositions(soup->vertices, soup->faces);
-  const auto reference = periodsOf(subdivide(mesh, 4));
+  const auto reference = closedPeriodsOf(subdivide(mesh, 4));
   ASSERT_OK(reference);
-  const auto exact = spectrum(reference->periods);
+  const auto exact = spectrum(reference->periods.energy);
   for (const MetricSurface& other :
        {mesh, subdivide(mesh, 2), flipEdges(subdivide(mesh, 2), 2000, 3),
         insertVertices(mesh, 300, 0.05, 4), insertNearCorners(mesh, 1e-5, 1)}) {
-    const auto closed = periodsOf(other);
+    const auto closed = closedPeriodsOf(other);
     ASSERT_OK(closed);
-    const auto energies = spectrum(closed->periods);
+    const auto energies = spectrum(closed->periods.energy);
     for (std::size_t k = 0; k < energies.size(); ++k) {
       EXPECT_LE(std::abs(std::log(energies[k] / exact[k])),
                 closed->periods.spread + reference->periods.spread);
@@ -190,7 +177,7 @@ TEST(PeriodMatrix, TriangulationsOfOneMetricAgreeWithinTheirBounds) {
 
 TEST(PeriodMatrix, PrintedErrorIsTightOnFlatTori) {
   for (const std::complex<double> tau : {std::complex(0.31, 0.97), std::complex(0.1, 3.0)}) {
-    const auto closed = periodsOf(flatTorus(tau, 5, 7, 0.2, 1));
+    const auto closed = closedPeriodsOf(flatTorus(tau, 5, 7, 0.2, 1));
     ASSERT_OK(closed);
     EXPECT_LT(std::abs(closed->periods.period(0, 0) - tau), closed->periods.error);
     EXPECT_LT(closed->periods.error, 1e-11);
@@ -224,10 +211,10 @@ TEST(PeriodMatrix, PrintedErrorCoversTheLargestEntry) {
 
 TEST(PeriodMatrix, RefusesSurfacesWithoutPeriods) {
   const auto sphere = makeSample("sphere", {{"resolution", 3}});
-  const auto none = periodsOf(fromPositions(sphere->vertices, sphere->faces));
+  const auto none = closedPeriodsOf(fromPositions(sphere->vertices, sphere->faces));
   EXPECT_THAT(none, FailsWith(Reason::kUnsupportedTopology));
   EXPECT_THAT(none.status().message(), testing::HasSubstr("no periods"));
-  EXPECT_THAT(periodsOf(plate(4, 3, {{1, 1}})), FailsWith(Reason::kUnsupportedTopology));
+  EXPECT_THAT(closedPeriodsOf(plate(4, 3, {{1, 1}})), FailsWith(Reason::kUnsupportedTopology));
 }
 
 TEST(PeriodMatrix, StopsWhenCancelled) {

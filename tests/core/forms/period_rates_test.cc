@@ -7,45 +7,19 @@
 #include <string>
 #include <vector>
 
-#include "core/forms/bordered_period.h"
-#include "core/forms/energy_lattice.h"
-#include "core/forms/period_matrix.h"
 #include "core/forms/quadrilateral.h"
 #include "core/forms/siegel.h"
-#include "core/mesh/samples.h"
 #include "tests/core/forms/glued_surfaces.h"
+#include "tests/core/forms/period_testing.h"
 #include "tests/core/forms/surfaces.h"
 #include "tests/core/testing.h"
 
 namespace moduli {
 namespace {
 
-Result<BorderedPeriods> borderedPeriodsOf(const MetricSurface& mesh) {
-  Context context;
-  return computeBorderedPeriods(context, mesh.surface, mesh.lengths);
-}
-
-Result<ClosedPeriods> closedPeriodsOf(const MetricSurface& mesh) {
-  Context context;
-  return computePeriods(context, mesh.surface, mesh.lengths);
-}
-
 Result<BoundedNumber> modulusOf(const MetricSurface& mesh, const std::array<Index, 4>& corners) {
   Context context;
   return quadrilateralModulus(context, mesh.surface, mesh.lengths, corners);
-}
-
-std::vector<double> spectrum(const Eigen::MatrixXd& energy, std::size_t count = 32) {
-  Context context;
-  auto energies = shortestEnergies(context, energy, count);
-  EXPECT_OK(energies);
-  return energies.ok() ? *energies : std::vector<double>();
-}
-
-MetricSurface sampleSurface(const std::string& kind, const std::map<std::string, double>& values) {
-  const auto soup = makeSample(kind, values);
-  EXPECT_OK(soup);
-  return fromPositions(soup->vertices, soup->faces);
 }
 
 /// The last two ratios of successive errors, each for half the mesh width, have this order.
