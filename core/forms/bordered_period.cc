@@ -69,7 +69,7 @@ BoundedNumber annulusModulus(double tangential, double normal, double rounding) 
 }  // namespace
 
 Result<BorderedPeriods> computeBorderedPeriods(Context& context, const Connectivity& surface,
-                                               const std::vector<double>& lengths) {
+                                               const std::vector<double>& given_lengths) {
   const SurfaceTopology topology = computeTopology(surface);
   RETURN_IF_ERROR(checkTopology(topology));
   const std::vector<std::vector<Index>>& loops = topology.boundary_loops;
@@ -78,6 +78,7 @@ Result<BorderedPeriods> computeBorderedPeriods(Context& context, const Connectiv
     return borderedCohomology(surface, loops);
   }());
   RETURN_IF_ERROR(context.check());
+  const std::vector<double> lengths = unitLengths(given_lengths);
   ASSIGN_OR_RETURN(
       const BorderedForms forms,
       borderedHarmonicForms(context, surface, cotanWeights(surface, lengths), cohomology, loops));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "core/forms/flat_triangle.h"
@@ -70,6 +71,15 @@ SparseMatrix assemble(const Connectivity& surface, const std::vector<double>& we
 }
 
 }  // namespace
+
+std::vector<double> unitLengths(const std::vector<double>& lengths) {
+  int exponent = 0;
+  std::frexp(*std::max_element(lengths.begin(), lengths.end()), &exponent);
+  std::vector<double> result(lengths.size());
+  std::transform(lengths.begin(), lengths.end(), result.begin(),
+                 [exponent](double length) { return std::ldexp(length, -exponent); });
+  return result;
+}
 
 std::vector<double> faceAreas(const Connectivity& surface, const std::vector<double>& lengths) {
   std::vector<double> areas(surface.faceCount());

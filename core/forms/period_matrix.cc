@@ -95,7 +95,7 @@ Result<PeriodMatrix> certifyReducedPeriods(Context& context, const Eigen::Matrix
 }
 
 Result<ClosedPeriods> computePeriods(Context& context, const Connectivity& surface,
-                                     const std::vector<double>& lengths) {
+                                     const std::vector<double>& given_lengths) {
   ASSIGN_OR_RETURN(const std::vector<Cochain> cochains, [&] {
     const Context::Stage stage(context, "cohomology");
     return symplecticCohomology(surface);
@@ -105,6 +105,7 @@ Result<ClosedPeriods> computePeriods(Context& context, const Connectivity& surfa
                   "a closed surface of genus 0 has no periods: all spheres are conformally one"};
   }
   RETURN_IF_ERROR(context.check());
+  const std::vector<double> lengths = unitLengths(given_lengths);
   const std::vector<double> weights = cotanWeights(surface, lengths);
   ASSIGN_OR_RETURN(HarmonicForms harmonic, harmonicForms(context, surface, weights, cochains));
 

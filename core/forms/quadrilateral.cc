@@ -76,10 +76,11 @@ Result<EnergyForm> energyBetween(Context& context, const Connectivity& surface,
 }  // namespace
 
 Result<BoundedNumber> quadrilateralModulus(Context& context, const Connectivity& surface,
-                                           const std::vector<double>& lengths,
+                                           const std::vector<double>& given_lengths,
                                            const std::array<Index, 4>& corners) {
   ASSIGN_OR_RETURN(const std::vector<Index> boundary, boundaryFrom(surface, corners[0]));
   ASSIGN_OR_RETURN(const auto places, placeCorners(boundary, corners));
+  const std::vector<double> lengths = unitLengths(given_lengths);
   // Between bc and da the current flows through a rectangle of this length; across it, of this
   // width.
   ASSIGN_OR_RETURN(const EnergyForm lengthwise,

@@ -142,6 +142,18 @@ TEST_P(Bordered, PeriodsAreThoseOfTheDouble) {
   for (std::size_t k = 0; k < mine.size(); ++k) EXPECT_NEAR(mine[k] / theirs[k], 1, 1e-10) << k;
 }
 
+TEST_P(Bordered, ExtremeUnitsChangeNoDigit) {
+  const MetricSurface mesh = surface();
+  const auto bordered = borderedPeriodsOf(mesh);
+  ASSERT_OK(bordered);
+  for (const double factor : {0x1p-900, 0x1p900}) {
+    const auto other = borderedPeriodsOf(scale(mesh, factor));
+    ASSERT_OK(other);
+    EXPECT_EQ(other->periods.period, bordered->periods.period);
+    EXPECT_EQ(other->capacity, bordered->capacity);
+  }
+}
+
 TEST_P(Bordered, NumberingScaleAndMirroringChangeNoInvariant) {
   const MetricSurface mesh = surface();
   const auto bordered = borderedPeriodsOf(mesh);

@@ -146,6 +146,12 @@ TEST(PeriodMatrix, NumberingMotionAndScaleChangeNoInvariant) {
     }
     EXPECT_NEAR(other->periods.spread / closed->periods.spread, 1, 1e-9);
   }
+  for (const double factor : {0x1p-900, 0x1p900}) {
+    const auto other = closedPeriodsOf(scale(mesh, factor));
+    ASSERT_OK(other);
+    EXPECT_EQ(other->periods.period, closed->periods.period);
+    EXPECT_EQ(other->periods.error, closed->periods.error);
+  }
   // Orientation: the mirror image has the same energies; its Pi is -conj(Pi) in some marking.
   const auto image = closedPeriodsOf(mirror(mesh));
   ASSERT_OK(image);
