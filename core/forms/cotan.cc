@@ -72,9 +72,14 @@ SparseMatrix assemble(const Connectivity& surface, const std::vector<double>& we
 
 }  // namespace
 
-std::vector<double> unitLengths(const std::vector<double>& lengths) {
+int lengthExponent(const std::vector<double>& lengths) {
   int exponent = 0;
-  std::frexp(*std::max_element(lengths.begin(), lengths.end()), &exponent);
+  static_cast<void>(std::frexp(*std::max_element(lengths.begin(), lengths.end()), &exponent));
+  return exponent;
+}
+
+std::vector<double> unitLengths(const std::vector<double>& lengths) {
+  const int exponent = lengthExponent(lengths);
   std::vector<double> result(lengths.size());
   std::transform(lengths.begin(), lengths.end(), result.begin(),
                  [exponent](double length) { return std::ldexp(length, -exponent); });

@@ -9,9 +9,12 @@
 /// that satisfies the strict triangle inequality in every face (see core/intrinsic/mollify.h).
 namespace moduli {
 
-/// The lengths times the power of two that brings the longest between 1/2 and 1: no digit changes,
-/// and areas neither overflow nor vanish, whatever the units of a model. For what is free of scale.
-/// lengths: finite, >= 0, not all 0. O(E).
+/// The exponent k with the longest length between 2^(k-1) and 2^k. lengths: finite, not all 0.
+int lengthExponent(const std::vector<double>& lengths);
+
+/// The lengths times 2^-lengthExponent, the power of two that brings the longest between 1/2 and 1:
+/// no digit changes, and areas neither overflow nor vanish, whatever the units of a model. For what
+/// is free of scale. lengths: finite, >= 0, not all 0. O(E).
 std::vector<double> unitLengths(const std::vector<double>& lengths);
 
 /// Area of every face by Kahan's ordering of Heron's formula. lengths: per edge. O(F).

@@ -72,6 +72,10 @@ class SignatureBuilder {
     block.boundary_loops = static_cast<Index>(topology.boundary_loops.size());
     block.euler_characteristic = topology.euler_characteristic;
     block.area = mesh_.area();
+    if (!std::isfinite(block.area)) {
+      return {Reason::kOverflow, "the area of the surface is too large for a double",
+              "give the coordinates in larger units"};
+    }
     if (block.components == 1) return {};
     return {Reason::kUnsupportedTopology,
             "the surface has " + std::to_string(block.components) + " components instead of 1",
@@ -158,7 +162,8 @@ class SignatureBuilder {
   Status makeMetric() {
     const Context::Stage stage(context_, "metric");
     ASSIGN_OR_RETURN(MollifiedLengths mollified, mollify(surface(), mesh_.edgeLengths()));
-    lengths_ = std::move(mollified.lengths);
+    exponent_ = lengthExponent(mollified.lengths);
+    lengths_ = unitLengths(mollified.lengths);
     signature_.certificate.mollification = mollified.relative_shift;
     return {};
   }
@@ -264,7 +269,9 @@ class SignatureBuilder {
     if (wants(Space::kShape)) {
       std::vector<double> curvature = integratedMeanCurvature(mesh_);
       const double scale = std::sqrt(total / (4 * std::numbers::pi));
-      for (Index v = 0; v < mesh_.vertexCount(); ++v) curvature[v] *= scale / areas[v];
+      for (Index v = 0; v < mesh_.vertexCount(); ++v) {
+        curvature[v] = std::ldexp(curvature[v], -exponent_) * (scale / areas[v]);
+      }
       fields.push_back(std::move(curvature));
     }
     return fields;
@@ -296,7 +303,8 @@ class SignatureBuilder {
   const PreparedMesh& prepared_;
   const TriangleMesh& mesh_;
   const SignatureOptions& options_;
-  std::vector<double> lengths_;
+  std::vector<double> lengths_;  ///< Per edge, in units of 2^exponent_ model units.
+  int exponent_ = 0;
   MetricBlock metric_;
   ShapeBlock shape_;
   Signature signature_;

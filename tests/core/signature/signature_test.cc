@@ -290,6 +290,26 @@ TEST(Signature, IsTheSameBytesEveryTime) {
   EXPECT_EQ(a.vectors.shape, b.vectors.shape);
 }
 
+TEST(Signature, HasTheSameNumbersInAnyUnits) {
+  for (const TriangleSoup& soup :
+       {surfaces::sample("torus", {{"resolution", 12}, {"seed", 3}}),
+        surfaces::sample("ellipsoid", {{"resolution", 6}}), shapes::chainOfTori(2)}) {
+    const Signature signature = sign(soup);
+    for (const double factor : {0x1p-450, 0x1p450}) {
+      TriangleSoup scaled = soup;
+      for (Eigen::Vector3d& p : scaled.vertices) p *= factor;
+      const Signature same = sign(scaled);
+      EXPECT_EQ(same.conformal->tau, signature.conformal->tau);
+      EXPECT_EQ(same.conformal->energy_spectrum, signature.conformal->energy_spectrum);
+      EXPECT_EQ(same.vectors.metric, signature.vectors.metric);
+      EXPECT_EQ(same.vectors.shape, signature.vectors.shape);
+    }
+  }
+  TriangleSoup huge = shapes::icosahedron();
+  for (Eigen::Vector3d& p : huge.vertices) p *= 1e200;
+  EXPECT_THAT(tryToSign(huge), FailsWith(Reason::kOverflow));
+}
+
 TEST(Signature, StopsOnCancellationAndDeadline) {
   const PreparedMesh prepared = prepare(surfaces::sample("sphere", {{"resolution", 16}}));
   Context cancelled;
