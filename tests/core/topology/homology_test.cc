@@ -9,19 +9,10 @@
 namespace moduli {
 namespace {
 
+using surfaces::allSurfaces;
 using surfaces::Named;
-
-TreeCotree treesOf(const Connectivity& surface) {
-  auto trees = computeTreeCotree(surface);
-  EXPECT_OK(trees);
-  return *std::move(trees);
-}
-
-TreeCotree relativeTreesOf(const Connectivity& surface) {
-  auto trees = computeRelativeTreeCotree(surface);
-  EXPECT_OK(trees);
-  return *std::move(trees);
-}
+using surfaces::relativeTreesOf;
+using surfaces::treesOf;
 
 /// Per vertex how often a walk arrives there minus how often it leaves.
 std::vector<int> boundaryOf(const Connectivity& surface, const Walk& walk) {
@@ -38,12 +29,6 @@ void expectNoVertexTwice(const Connectivity& surface, const Walk& walk) {
   for (const Step& step : walk) {
     EXPECT_TRUE(met.insert(surfaces::startOf(surface, step)).second);
   }
-}
-
-std::vector<Named> allSurfaces() {
-  std::vector<Named> list = surfaces::closed();
-  for (Named& named : surfaces::bordered()) list.push_back(std::move(named));
-  return list;
 }
 
 TEST(Homology, WalksAreSimpleLoops) {

@@ -10,12 +10,7 @@ namespace moduli {
 namespace {
 
 using surfaces::Named;
-
-TreeCotree treesOf(const Connectivity& surface) {
-  auto trees = computeTreeCotree(surface);
-  EXPECT_OK(trees);
-  return *std::move(trees);
-}
+using surfaces::treesOf;
 
 HomotopyBasis basisOf(const Connectivity& surface, const TreeCotree& trees) {
   auto basis = canonicalHomotopyBasis(surface, trees);

@@ -13,6 +13,7 @@
 #include "core/mesh/double_cover.h"
 #include "core/topology/homology.h"
 #include "core/topology/surface_topology.h"
+#include "core/topology/tree_cotree.h"
 #include "tests/core/mesh/shapes.h"
 #include "tests/core/testing.h"
 
@@ -229,6 +230,25 @@ inline IntegerMatrix periods(const std::vector<Cochain>& cochains, const std::ve
 
 inline IntegerMatrix identity(std::size_t n) {
   return IntegerMatrix::Identity(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+}
+
+inline TreeCotree treesOf(const Connectivity& surface) {
+  auto trees = computeTreeCotree(surface);
+  EXPECT_OK(trees);
+  return *std::move(trees);
+}
+
+inline TreeCotree relativeTreesOf(const Connectivity& surface) {
+  auto trees = computeRelativeTreeCotree(surface);
+  EXPECT_OK(trees);
+  return *std::move(trees);
+}
+
+/// Closed and bordered ones.
+inline std::vector<Named> allSurfaces() {
+  std::vector<Named> list = surfaces::closed();
+  for (Named& named : surfaces::bordered()) list.push_back(std::move(named));
+  return list;
 }
 
 }  // namespace moduli::surfaces

@@ -10,26 +10,11 @@
 namespace moduli {
 namespace {
 
+using surfaces::allSurfaces;
 using surfaces::connect;
 using surfaces::Named;
-
-TreeCotree treesOf(const Connectivity& surface) {
-  auto trees = computeTreeCotree(surface);
-  EXPECT_OK(trees);
-  return *std::move(trees);
-}
-
-TreeCotree relativeTreesOf(const Connectivity& surface) {
-  auto trees = computeRelativeTreeCotree(surface);
-  EXPECT_OK(trees);
-  return *std::move(trees);
-}
-
-std::vector<Named> allSurfaces() {
-  std::vector<Named> list = surfaces::closed();
-  for (Named& named : surfaces::bordered()) list.push_back(std::move(named));
-  return list;
-}
+using surfaces::relativeTreesOf;
+using surfaces::treesOf;
 
 Integer valueOn(const Cochain& cochain, Index edge) {
   return integrate(cochain, {{edge, 1}});
