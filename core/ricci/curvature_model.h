@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/base/context.h"
+#include "core/base/status.h"
+#include "core/intrinsic/geometry.h"
+#include "core/linalg/spd_solver.h"
+
+namespace moduli {
+
+/// A family of discrete metrics on one surface, one real unknown per vertex (or per orbit of
+/// vertices), whose curvatures are the gradient of a convex energy.
+///
+/// What a solver of the Ricci flow knows of a scheme. A model is moved to one u at a time; all
+/// questions are about the metric there.
+class CurvatureModel {
+ public:
+  virtual ~CurvatureModel() = default;
+
+  virtual Geometry geometry() const = 0;
+
+  /// The number of unknowns.
+  virtual Eigen::Index size() const = 0;
+
+  /// Moves to the metric of u; may change the connectivity (flips). Fails with kNoConvergence where
+  /// u is not finite or too large for a double, kCancelled, kDeadlineExceeded; then the model has
+  /// to be moved to another u before it answers again.
+  virtual Status moveTo(Context& context, const Eigen::VectorXd& u) = 0;
+
+  /// Per unknown the curvature at u: 2 pi (interior) or pi (boundary) less the angles around the
+  /// vertex, summed over the vertices of the unknown.
+  virtual const Eigen::VectorXd& curvature() const = 0;
+
+  /// The derivative of curvature() by u: symmetric, positive semi-definite; lower triangle. Valid
+  /// until the next moveTo or hessian.
+  virtual const SparseMatrix& hessian() = 0;
+
+  /// Counts changes of the pattern of hessian(): equal numbers mean one pattern.
+  virtual int patternVersion() const = 0;
+};
+
+}  // namespace moduli

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+
+namespace moduli {
+
+/// How one number per vertex changes the lengths of edges.
+enum class Scheme : std::uint8_t {
+  kVertexScaling,      ///< Half chords times e^{(u_i + u_j) / 2}; with flips, always solvable.
+  kThurston,           ///< Circles that meet at fixed angles in [0, pi/2].
+  kTangential,         ///< Circles that touch.
+  kInversiveDistance,  ///< Circles at fixed inversive distance; reproduces the given lengths.
+};
+
+}  // namespace moduli
