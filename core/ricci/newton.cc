@@ -63,8 +63,9 @@ class Newton {
   /// One Newton step; false where rounding has the last word. Then the model is back at u.
   Result<bool> step() {
     const double before = solution_.residual();
+    const SparseMatrix& hessian = model_.hessian();
     ASSIGN_OR_RETURN(Eigen::VectorXd direction,
-                     system_.direction(context_, model_.hessian(), model_.patternVersion(),
+                     system_.direction(context_, hessian, model_.patternVersion(),
                                        model_.scaleFree(), gradient_));
     if (model_.scaleFree() && direction.size() > 0) direction.array() -= direction.mean();
     const double length = norm(direction);
