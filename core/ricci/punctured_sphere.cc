@@ -23,6 +23,8 @@ constexpr double kTolerance = 1e-13;
 constexpr double kAcceptable = 1e-10;
 /// Rounding of angle sums of a link vertex; a straight one may stand on either side of pi.
 constexpr double kStraight = 1e-9;
+/// Relative to the residual of free vertices.
+constexpr double kEarlyRelease = 0.5;
 constexpr int kMaxIterations = 100;
 constexpr int kMaxShortenings = 30;
 constexpr int kMaxReleases = 200;
@@ -41,13 +43,13 @@ class Solver {
     RETURN_IF_ERROR(metric_.moveTo(context_, start));
     keep();
     for (int n = 0; n < kMaxIterations; ++n) {
+      bool moved = false;
       if (residuals_.back() > kTolerance) {
-        ASSIGN_OR_RETURN(const bool moved, step());
-        if (moved) continue;
-        if (residuals_.back() > kAcceptable) break;
+        ASSIGN_OR_RETURN(moved, step());
+        if (!moved && residuals_.back() > kAcceptable) break;
       }
-      ASSIGN_OR_RETURN(const bool released, releaseReflex());
-      if (!released) return judge();
+      ASSIGN_OR_RETURN(const bool released, releaseReflex(moved ? kEarlyRelease : 0));
+      if (!moved && !released) break;
     }
     return judge();
   }
@@ -113,11 +115,14 @@ class Solver {
     return false;
   }
 
-  /// Takes the vertices with angles above pi off the link; false if there are none.
-  Result<bool> releaseReflex() {
+  /// Takes the vertices off the link whose angle is above pi, by more than `ratio` times the
+  /// residual; false if there are none. An angle that is wrong by more than all others is not going
+  /// to come right by itself.
+  Result<bool> releaseReflex(double ratio) {
+    const double excess = std::max(kStraight, ratio * residuals_.back());
     std::vector<Index> reflex;
     for (Index v = 0; v < vertices(); ++v) {
-      if (metric_.isLinked(v) && metric_.angleSums()[v] > kPi + kStraight) reflex.push_back(v);
+      if (metric_.isLinked(v) && metric_.angleSums()[v] > kPi + excess) reflex.push_back(v);
     }
     bool any = false;
     for (const Index v : reflex) {
