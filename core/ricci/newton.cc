@@ -46,8 +46,16 @@ class Newton {
   /// K - target at the model's metric.
   Eigen::VectorXd gradientThere() const {
     Eigen::VectorXd gradient = model_.curvature() - target_;
-    if (model_.scaleFree() && gradient.size() > 0) gradient.array() -= gradient.mean();
+    if (scaleFree()) gradient.array() -= gradient.mean();
+    for (std::size_t n = 0; n < options_.fixed.size(); ++n) {
+      if (options_.fixed[n]) gradient[static_cast<Eigen::Index>(n)] = 0;
+    }
     return gradient;
+  }
+
+  bool scaleFree() const {
+    return model_.scaleFree() && model_.size() > 0 &&
+           std::find(options_.fixed.begin(), options_.fixed.end(), true) == options_.fixed.end();
   }
 
   static double norm(const Eigen::VectorXd& gradient) {
@@ -65,9 +73,9 @@ class Newton {
     const double before = solution_.residual();
     const SparseMatrix& hessian = model_.hessian();
     ASSIGN_OR_RETURN(Eigen::VectorXd direction,
-                     system_.direction(context_, hessian, model_.patternVersion(),
-                                       model_.scaleFree(), gradient_));
-    if (model_.scaleFree() && direction.size() > 0) direction.array() -= direction.mean();
+                     system_.direction(context_, hessian, model_.patternVersion(), scaleFree(),
+                                       options_.fixed, gradient_));
+    if (scaleFree()) direction.array() -= direction.mean();
     const double length = norm(direction);
     const double slope = gradient_.dot(direction);
     double t = length > kMaxStep ? kMaxStep / length : 1;

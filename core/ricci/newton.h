@@ -16,6 +16,8 @@ struct NewtonOptions {
   /// A residual above this is not a solution.
   double acceptable = 1e-10;
   int max_iterations = 100;
+  /// Per unknown: keep u as it is at the start, and ask for no curvature. Empty: none.
+  std::vector<bool> fixed;
 };
 
 struct RicciSolution {

@@ -24,8 +24,21 @@ Status NewtonSystem::factorize(Context& context, bool same_pattern) {
                       : solver_->reanalyze(context, matrix_);
 }
 
+/// Rows and columns of the identity.
+void NewtonSystem::isolate(const std::vector<bool>& fixed) {
+  for (int column = 0; column < matrix_.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator it(matrix_, column); it; ++it) {
+      const auto row = static_cast<std::size_t>(it.row());
+      if (fixed[row] || fixed[static_cast<std::size_t>(column)]) {
+        it.valueRef() = it.row() == column ? 1 : 0;
+      }
+    }
+  }
+}
+
 Result<Eigen::VectorXd> NewtonSystem::direction(Context& context, const SparseMatrix& matrix,
                                                 int pattern_version, bool constants_in_kernel,
+                                                const std::vector<bool>& fixed,
                                                 const Eigen::VectorXd& gradient) {
   const bool same_pattern = solver_ && pattern_version == pattern_version_;
   if (same_pattern) {
@@ -47,6 +60,7 @@ Result<Eigen::VectorXd> NewtonSystem::direction(Context& context, const SparseMa
     }
     diagonal(stiffest) *= 2;
   }
+  if (!fixed.empty()) isolate(fixed);
   Status status = factorize(context, same_pattern);
   double shift = kFirstShift;
   for (int n = 0; n < kMaxShifts && status.reason() == Reason::kNotPositiveDefinite; ++n) {

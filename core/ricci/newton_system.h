@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "core/base/context.h"
 #include "core/base/status.h"
@@ -18,13 +19,16 @@ class NewtonSystem {
  public:
   /// matrix: symmetric, positive semi-definite, lower triangle with all of its diagonal.
   /// pattern_version: equal for equal patterns. constants_in_kernel: the kernel are the constants,
-  /// and `gradient` sums to 0; the solution is then fixed by one unknown.
-  /// Returns d with matrix * d = -gradient. Fails as SpdSolver does.
+  /// and `gradient` sums to 0; the solution is then fixed by one unknown. fixed: per unknown
+  /// whether it stays (its gradient must be 0); empty: none. Returns d with matrix * d = -gradient.
+  /// Fails as SpdSolver does.
   Result<Eigen::VectorXd> direction(Context& context, const SparseMatrix& matrix,
                                     int pattern_version, bool constants_in_kernel,
+                                    const std::vector<bool>& fixed,
                                     const Eigen::VectorXd& gradient);
 
  private:
+  void isolate(const std::vector<bool>& fixed);
   Status factorize(Context& context, bool same_pattern);
 
   std::optional<SpdSolver> solver_;

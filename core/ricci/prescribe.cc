@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/intrinsic/delaunay.h"
+#include "core/ricci/flow.h"
 #include "core/ricci/newton.h"
 
 namespace moduli {
@@ -25,28 +26,9 @@ std::vector<double> unitHalfChords(const std::vector<double>& lengths) {
   return result;
 }
 
-/// The constant u whose area fits the total curvature wanted: sum K = 2 pi chi + area. The area
-/// grows from 0 to pi per face.
-Result<double> fittingScale(Context& context, VertexScalingModel& model, double wanted_area,
-                            Index euler_characteristic, double all_faces) {
-  double u = 0;
-  for (int n = 0; n < kMaxScalings; ++n) {
-    RETURN_IF_ERROR(model.moveTo(context, Eigen::VectorXd::Constant(model.size(), u)));
-    model.accept();
-    const double area = model.curvature().sum() - 2 * std::numbers::pi * euler_characteristic;
-    // Far from saturation the area is proportional to e^{2 u}; log(A / (A_all - A)) behaves well
-    // at both ends.
-    const auto odds = [&](double a) {
-      return std::log(std::max(a, 1e-300)) - std::log(std::max(all_faces - a, 1e-300));
-    };
-    if (std::abs(area - wanted_area) <= kAreaRatio * wanted_area) break;
-    u += std::clamp((odds(wanted_area) - odds(area)) / 2, -10.0, 10.0);
-  }
-  return u;
-}
-
 MetricCertificate certify(const VertexScalingModel& model, const Unknowns& unknowns,
-                          const std::vector<double>& target, const RicciSolution& solution) {
+                          const std::vector<double>& target, const std::vector<bool>& fixed,
+                          const RicciSolution& solution) {
   MetricCertificate certificate;
   certificate.newton_iterations = solution.iterations();
   certificate.residuals = solution.residuals;
@@ -55,17 +37,16 @@ MetricCertificate certify(const VertexScalingModel& model, const Unknowns& unkno
 
   const std::vector<double> curvatures = model.vertexCurvatures();
   const auto vertices = static_cast<Index>(curvatures.size());
-  double total = 0, deviation = 0;
-  Index solved = 0;
+  const auto isFixed = [&](Index v) { return !fixed.empty() && fixed[unknowns.of_vertex[v]]; };
+  double total = 0, mean = 0;
   for (Index v = 0; v < vertices; ++v) {
     total += curvatures[v];
-    if (unknowns.of_vertex[v] == kNone) continue;
-    deviation += curvatures[v] - target[v];
-    ++solved;
+    mean += (curvatures[v] - target[v]) / vertices;
   }
-  const double mean = model.scaleFree() ? deviation / std::max(solved, Index{1}) : 0;
+  const bool any_fixed = std::find(fixed.begin(), fixed.end(), true) != fixed.end();
+  if (!model.scaleFree() || any_fixed) mean = 0;
   for (Index v = 0; v < vertices; ++v) {
-    if (unknowns.of_vertex[v] == kNone) continue;
+    if (isFixed(v)) continue;
     certificate.curvature_residual =
         std::max(certificate.curvature_residual, std::abs(curvatures[v] - target[v] - mean));
   }
@@ -80,42 +61,91 @@ MetricCertificate certify(const VertexScalingModel& model, const Unknowns& unkno
 
 }  // namespace
 
+PrescribedCurvature::PrescribedCurvature(const Connectivity& surface, Unknowns unknowns,
+                                         PrescribeOptions options)
+    : euler_characteristic_(surface.eulerCharacteristic()),
+      surface_(surface),
+      unknowns_(std::move(unknowns)),
+      options_(std::move(options)),
+      u_(Eigen::VectorXd::Zero(unknowns_.count)) {}
+
+Status PrescribedCurvature::start(Context& context, const std::vector<double>& lengths) {
+  IntrinsicTriangulation triangulation(surface_, unitHalfChords(lengths));
+  if (options_.initial_delaunay) {
+    const Context::Stage stage(context, "delaunay");
+    RETURN_IF_ERROR(flipToDelaunayIsometric(context, triangulation).status());
+  }
+  model_.emplace(options_.geometry, std::move(triangulation), unknowns_,
+                 VertexScalingModel::Flips::kOn);
+  return {};
+}
+
+Eigen::VectorXd PrescribedCurvature::perUnknown(const std::vector<double>& target) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(unknowns_.count);
+  for (std::size_t v = 0; v < target.size(); ++v) result[unknowns_.of_vertex[v]] += target[v];
+  return result;
+}
+
+/// Finds the constant u whose area fits the total curvature wanted: sum K = 2 pi chi + area. The
+/// area grows from 0 to pi per face.
+Status PrescribedCurvature::fitScale(Context& context, const Eigen::VectorXd& target) {
+  const double topological = 2 * std::numbers::pi * euler_characteristic_;
+  const double wanted = target.sum() - topological;
+  const double all_faces = std::numbers::pi * surface_.faceCount();
+  // Far from saturation areas are proportional to e^{2 u}; their odds behave well at both ends.
+  const auto odds = [&](double area) {
+    return std::log(std::max(area, 1e-300)) - std::log(std::max(all_faces - area, 1e-300));
+  };
+  for (int n = 0; n < kMaxScalings; ++n) {
+    RETURN_IF_ERROR(model_->moveTo(context, u_));
+    model_->accept();
+    const double area = model_->curvature().sum() - topological;
+    if (std::abs(area - wanted) <= kAreaRatio * wanted) break;
+    u_.array() += std::clamp((odds(wanted) - odds(area)) / 2, -10.0, 10.0);
+  }
+  return {};
+}
+
+Result<RicciSolution> PrescribedCurvature::search(Context& context, const Eigen::VectorXd& target) {
+  if (options_.solver == RicciSolver::kNewton) {
+    NewtonOptions options;
+    options.fixed = options_.fixed;
+    return solveCurvature(context, *model_, target, u_, options);
+  }
+  ASSIGN_OR_RETURN(const FlowResult flow, ricciFlow(context, *model_, target, u_, FlowOptions()));
+  RicciSolution solution;
+  solution.u = flow.u;
+  for (const FlowPoint& point : flow.history) solution.residuals.push_back(point.residual);
+  return solution;
+}
+
+Result<DiscreteMetric> PrescribedCurvature::solve(Context& context,
+                                                  const std::vector<double>& target) {
+  const Eigen::VectorXd wanted = perUnknown(target);
+  if (options_.geometry == Geometry::kHyperbolic && !scaled_) {
+    RETURN_IF_ERROR(fitScale(context, wanted));
+    scaled_ = true;
+  }
+  ASSIGN_OR_RETURN(const RicciSolution solution, search(context, wanted));
+  u_ = solution.u;
+  DiscreteMetric metric{options_.geometry,
+                        model_->triangulation(),
+                        std::vector<double>(target.size(), 0.0),
+                        model_->scaledHalfChords(),
+                        model_->angles(),
+                        certify(*model_, unknowns_, target, options_.fixed, solution)};
+  for (std::size_t v = 0; v < target.size(); ++v) metric.u[v] = u_[unknowns_.of_vertex[v]];
+  return metric;
+}
+
 Result<DiscreteMetric> prescribeCurvature(Context& context, const Connectivity& surface,
                                           const std::vector<double>& lengths,
                                           const std::vector<double>& target,
                                           const Unknowns& unknowns,
                                           const PrescribeOptions& options) {
-  IntrinsicTriangulation triangulation(surface, unitHalfChords(lengths));
-  if (options.initial_delaunay) {
-    const Context::Stage stage(context, "delaunay");
-    RETURN_IF_ERROR(flipToDelaunayIsometric(context, triangulation).status());
-  }
-  VertexScalingModel model(options.geometry, std::move(triangulation), unknowns,
-                           VertexScalingModel::Flips::kOn);
-  Eigen::VectorXd wanted = Eigen::VectorXd::Zero(unknowns.count);
-  for (Index v = 0; v < surface.vertexCount(); ++v) {
-    if (unknowns.of_vertex[v] != kNone) wanted[unknowns.of_vertex[v]] += target[v];
-  }
-  Eigen::VectorXd start = Eigen::VectorXd::Zero(unknowns.count);
-  if (options.geometry == Geometry::kHyperbolic) {
-    const Index chi = surface.eulerCharacteristic();
-    const double area = wanted.sum() - 2 * std::numbers::pi * chi;
-    ASSIGN_OR_RETURN(const double u, fittingScale(context, model, area, chi,
-                                                  std::numbers::pi * surface.faceCount()));
-    start.setConstant(u);
-  }
-  ASSIGN_OR_RETURN(const RicciSolution solution, solveCurvature(context, model, wanted, start));
-
-  DiscreteMetric metric{options.geometry,
-                        model.triangulation(),
-                        std::vector<double>(surface.vertexCount(), 0.0),
-                        model.scaledHalfChords(),
-                        model.angles(),
-                        certify(model, unknowns, target, solution)};
-  for (Index v = 0; v < surface.vertexCount(); ++v) {
-    if (unknowns.of_vertex[v] != kNone) metric.u[v] = solution.u[unknowns.of_vertex[v]];
-  }
-  return metric;
+  PrescribedCurvature problem(surface, unknowns, options);
+  RETURN_IF_ERROR(problem.start(context, lengths));
+  return problem.solve(context, target);
 }
 
 }  // namespace moduli

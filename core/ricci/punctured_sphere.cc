@@ -88,7 +88,7 @@ class Solver {
     const SparseMatrix& hessian = metric_.hessian();
     ASSIGN_OR_RETURN(
         const Eigen::VectorXd direction,
-        system_.direction(context_, hessian, metric_.patternVersion(), false, gradient_));
+        system_.direction(context_, hessian, metric_.patternVersion(), false, {}, gradient_));
     const Eigen::VectorXd here = metric_.u();
     const double slope = gradient_.dot(direction);
     const double length = direction.cwiseAbs().maxCoeff();

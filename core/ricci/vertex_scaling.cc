@@ -45,14 +45,6 @@ VertexScalingModel::VertexScalingModel(Geometry geometry, IntrinsicTriangulation
   }
 }
 
-bool VertexScalingModel::scaleFree() const {
-  if (geometry_ != Geometry::kEuclidean) return false;
-  for (const Index unknown : unknowns_.of_vertex) {
-    if (unknown == kNone) return false;
-  }
-  return true;
-}
-
 Status VertexScalingModel::moveTo(Context& context, const Eigen::VectorXd& u) {
   const Context::Stage stage(context, "metric");
   RETURN_IF_ERROR(context.check());
@@ -60,8 +52,7 @@ Status VertexScalingModel::moveTo(Context& context, const Eigen::VectorXd& u) {
     return {Reason::kNoConvergence, "a conformal factor leaves the range of numbers"};
   }
   for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
-    const Index unknown = unknowns_.of_vertex[v];
-    if (unknown != kNone) scale_[v] = std::exp(u[unknown] / 2);
+    scale_[v] = std::exp(u[unknowns_.of_vertex[v]] / 2);
   }
   if (flips_ == Flips::kOn) {
     const std::size_t before = triangulation_.history().size();
@@ -103,8 +94,7 @@ void VertexScalingModel::measure() {
   curvature_.setZero();
   const std::vector<double> at_vertices = vertexCurvatures();
   for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
-    const Index unknown = unknowns_.of_vertex[v];
-    if (unknown != kNone) curvature_[unknown] += at_vertices[v];
+    curvature_[unknowns_.of_vertex[v]] += at_vertices[v];
   }
 }
 
@@ -145,11 +135,11 @@ const SparseMatrix& VertexScalingModel::hessian() {
     const EdgeWeight weight = edgeWeight(geometry_, ti, tj, tk, scaled_[h]);
     const Index a = unknowns_.of_vertex[triangulation_.tail(h)];
     const Index b = unknowns_.of_vertex[triangulation_.tail(j)];
-    if (a != kNone) values[pattern_.diagonal(a)] += weight.diagonal;
-    if (b != kNone) values[pattern_.diagonal(b)] += weight.diagonal;
+    values[pattern_.diagonal(a)] += weight.diagonal;
+    values[pattern_.diagonal(b)] += weight.diagonal;
     const Index slot = pattern_.slot(h);
     if (slot != kNone) values[slot] += weight.mixed;
-    if (a != kNone && a == b) values[pattern_.diagonal(a)] += 2 * weight.mixed;
+    if (a == b) values[pattern_.diagonal(a)] += 2 * weight.mixed;
   }
   return matrix;
 }

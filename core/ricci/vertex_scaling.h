@@ -10,8 +10,7 @@
 
 namespace moduli {
 
-/// Which unknown scales a vertex. Vertices that share one form an orbit, those with kNone keep
-/// u = 0.
+/// Which unknown scales a vertex. Vertices that share one form an orbit.
 struct Unknowns {
   std::vector<Index> of_vertex;
   Index count = 0;
@@ -38,7 +37,6 @@ class VertexScalingModel : public CurvatureModel {
 
   Geometry geometry() const override { return geometry_; }
   Eigen::Index size() const override { return unknowns_.count; }
-  bool scaleFree() const override;
   /// O(F) and the flips; fails also with kNoConvergence where |u| is beyond 600.
   Status moveTo(Context& context, const Eigen::VectorXd& u) override;
   void accept() override { accepted_flips_ = triangulation_.history().size(); }
