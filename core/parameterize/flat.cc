@@ -26,6 +26,9 @@ constexpr int kMaxRoundings = 15;
 constexpr double kEvenTurning = 2e-3;
 /// Of the curvature on the way there.
 constexpr double kRoughly = 1e-6;
+/// Past these a result is an error.
+constexpr double kMaxResidual = 1e-9;
+constexpr double kMaxClosure = 1e-4;
 
 class Flattening {
  public:
@@ -44,7 +47,8 @@ class Flattening {
     std::vector<bool> is_cone(surface_.vertexCount(), false);
     for (Index v = 0; v < surface_.vertexCount(); ++v) is_cone[v] = target_[v] != 0;
     PlanarLayout layout = layOut(surface_, charts_, is_cone);
-    result_.certificate.layout_closure = layout.closure;
+    certificate().layout_closure = layout.closure;
+    RETURN_IF_ERROR(judgeMetric());
     result_.points = std::move(layout.points);
     result_.corner = std::move(layout.corner);
     RETURN_IF_ERROR(judgeFaces());
@@ -202,11 +206,9 @@ class Flattening {
   Result<int> solveCircles(CirclePackingModel& model, const Eigen::VectorXd& wanted,
                            Eigen::VectorXd& u, bool exactly) {
     if (options_.solver == RicciSolver::kFlow) {
-      if (freesBoundary()) {
-        return Status{Reason::kInvalidOption, "the flow needs a curvature at every vertex",
-                      "use Newton's method for a free boundary"};
-      }
-      ASSIGN_OR_RETURN(const FlowResult flow, ricciFlow(context_, model, wanted, u, FlowOptions()));
+      FlowOptions flow_options;
+      flow_options.fixed = fixedVertices();
+      ASSIGN_OR_RETURN(const FlowResult flow, ricciFlow(context_, model, wanted, u, flow_options));
       u = flow.u;
       return static_cast<int>(flow.history.size()) - 1;
     }
@@ -243,6 +245,20 @@ class Flattening {
     certificate().gauss_bonnet_residual =
         std::abs(curvature.sum() - 2 * std::numbers::pi * surface_.eulerCharacteristic());
     certificate().smallest_angle = *std::min_element(model.angles().begin(), model.angles().end());
+  }
+
+  Status judgeMetric() {
+    if (certificate().curvature_residual <= kMaxResidual &&
+        certificate().layout_closure <= kMaxClosure) {
+      return {};
+    }
+    return {Reason::kResidualTooLarge,
+            "the flat metric has a curvature residual of " +
+                shortestDouble(certificate().curvature_residual) +
+                " (allowed: " + shortestDouble(kMaxResidual) + ") and closes up to " +
+                shortestDouble(certificate().layout_closure) +
+                " of an edge (allowed: " + shortestDouble(kMaxClosure) + ")",
+            "spread the curvature over more cones, or remesh parts that are thin"};
   }
 
   /// Scales the layout to the surface's area and compares its faces with the surface's.

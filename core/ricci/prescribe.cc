@@ -111,7 +111,9 @@ Result<RicciSolution> PrescribedCurvature::search(Context& context, const Eigen:
   if (options_.solver == RicciSolver::kNewton) {
     return solveCurvature(context, *model_, target, u_, options);
   }
-  ASSIGN_OR_RETURN(const FlowResult flow, ricciFlow(context, *model_, target, u_, FlowOptions()));
+  FlowOptions flow_options;
+  flow_options.fixed = options.fixed;
+  ASSIGN_OR_RETURN(const FlowResult flow, ricciFlow(context, *model_, target, u_, flow_options));
   RicciSolution solution;
   solution.u = flow.u;
   for (const FlowPoint& point : flow.history) solution.residuals.push_back(point.residual);
