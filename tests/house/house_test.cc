@@ -40,6 +40,7 @@ const std::map<std::string, std::vector<std::string>> kForbidden = {
 const std::map<std::string, std::string> kHeavy = {{"flann/", "core/retrieval"},
                                                    {"OpenMesh/", "core/mesh"},
                                                    {"cholmod.h", "core/linalg"},
+                                                   {"nlohmann/", "core/intrinsic"},
                                                    {"sqlite3.h", "server/store"},
                                                    {"zstd.h", "server/store"}};
 
