@@ -36,8 +36,8 @@ Result<Signature> computeSignature(Context& context, const PreparedMesh& prepare
 /// Signature of a surface without positions: topology (with the area of its own geometry) and
 /// conformal block. Its metric and shape spaces are left out, and a warning says so. Periods are
 /// those of the polyhedral surface of chords (chordLengths): of the surface itself where it is
-/// Euclidean; elsewhere the warning CHORDAL_METRIC says so, and they tend to the surface's own at
-/// second order as the triangulation is refined.
+/// Euclidean; elsewhere the warning CHORDAL_METRIC says so, and they tend to the surface's own as
+/// the triangulation is refined.
 ///
 /// Fails with kUnsupportedContent (the metric or shape space alone), as chordLengths and, but for
 /// the sphere map, as computeSignature. Costs as that, less the fields.

@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-Result<IntrinsicSurface> read(const std::string& text, std::size_t max_faces = 1000) {
+Result<IntrinsicSurface> read(const std::string& text, std::size_t max_faces = 100'000) {
   Context context;
   return readIntrinsicJson(context, text, {"input", max_faces});
 }
@@ -306,7 +306,6 @@ TEST(IntrinsicJson, AGluingIsAnInvolutionThatMatchesEnds) {
   parts.gluing = "[[4, 5, 3], [2, -1, 1]]";
   expectRefused(parts.text(), Reason::kInvalidGluing, "but that one to none");
   Parts solid = tetrahedron();
-  solid.gluing = "[[5, 6, 10], [11, 8, 0], [1, 9, 4], [7, 2, 3]]";
   solid.gluing = "[[5, 8, 11], [10, 6, 0], [4, 9, 1], [7, 3, 2]]";
   EXPECT_OK(read(solid.text()));
   solid.gluing = "[[8, 5, 11], [10, 6, 1], [4, 9, 0], [7, 3, 2]]";
