@@ -19,6 +19,8 @@ constexpr double kSlopeTurn = 0.1;
 /// Below this residual Newton's method converges at once, or rounding is all there is.
 constexpr double kRoundingRegion = 1e-9;
 constexpr int kMaxShortenings = 40;
+/// Of the norm of the gradient, where relaxation is in place of a short step.
+constexpr double kProgress = 0.9;
 
 class Newton {
  public:
@@ -29,6 +31,7 @@ class Newton {
   Result<RicciSolution> run(const Eigen::VectorXd& start) {
     solution_.u = start;
     RETURN_IF_ERROR(model_.moveTo(context_, start));
+    RETURN_IF_ERROR(model_.relax(context_, target_, options_.fixed, solution_.u).status());
     keep();
     while (solution_.residual() > options_.tolerance &&
            solution_.iterations() < options_.max_iterations) {
@@ -94,6 +97,10 @@ class Newton {
         if (turned <= kSlopeTurn * std::abs(slope) || after < before / 2) {
           return accept(there, true);
         }
+        if (n == 0) {
+          ASSIGN_OR_RETURN(const bool relaxed, relax(there));
+          if (relaxed) return true;
+        }
       } else if (moved.reason() != Reason::kNoConvergence) {
         return moved;
       }
@@ -101,6 +108,13 @@ class Newton {
     }
     RETURN_IF_ERROR(model_.moveTo(context_, solution_.u));
     return false;
+  }
+
+  /// Tries the end of a step that is too long with the worst vertices relaxed.
+  Result<bool> relax(Eigen::VectorXd there) {
+    ASSIGN_OR_RETURN(const bool changed, model_.relax(context_, target_, options_.fixed, there));
+    if (!changed || gradientThere().norm() > kProgress * gradient_.norm()) return false;
+    return accept(there, true);
   }
 
   /// The secant's guess of where the slope vanishes, kept between a tenth and a half.

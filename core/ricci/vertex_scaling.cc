@@ -3,11 +3,13 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "core/base/parallel.h"
 #include "core/intrinsic/delaunay.h"
 #include "core/ricci/scaled_face.h"
+#include "core/ricci/vertex_relaxation.h"
 
 namespace moduli {
 namespace {
@@ -15,6 +17,10 @@ namespace {
 constexpr std::size_t kGrain = 4096;
 /// e^{u / 2} and its products with half chords stay far from the ends of a double's range.
 constexpr double kMaxFactor = 600;
+/// Curvatures off their targets by more are solved for alone, up to the second number, radians.
+constexpr double kRelaxAbove = 1;
+constexpr double kRelaxTo = 0.3;
+constexpr int kMaxRelaxations = 10;
 
 }  // namespace
 
@@ -63,6 +69,44 @@ Status VertexScalingModel::moveTo(Context& context, const Eigen::VectorXd& u) {
   }
   measure();
   return {};
+}
+
+Result<bool> VertexScalingModel::relax(Context& context, const Eigen::VectorXd& target,
+                                       const std::vector<bool>& fixed, Eigen::VectorXd& u) {
+  if (flips_ == Flips::kOff) return false;
+  const Context::Stage stage(context, "relax");
+  std::optional<VertexRelaxation> relaxation;
+  std::vector<std::vector<Index>> orbits;
+  bool changed = false;
+  for (int round = 0; round < kMaxRelaxations; ++round) {
+    std::vector<Index> bad;
+    for (Index n = 0; n < unknowns_.count; ++n) {
+      if (!fixed.empty() && fixed[n]) continue;
+      if (std::abs(curvature_[n] - target[n]) > kRelaxAbove) bad.push_back(n);
+    }
+    if (bad.empty()) break;
+    if (!relaxation) {
+      relaxation.emplace(geometry_, triangulation_, scale_);
+      orbits.resize(unknowns_.count);
+      for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
+        orbits[unknowns_.of_vertex[v]].push_back(v);
+      }
+    }
+    bool moved = false;
+    for (const Index n : bad) {
+      RETURN_IF_ERROR(context.check());
+      ASSIGN_OR_RETURN(const double change,
+                       relaxation->solve(context, orbits[n], target[n], kRelaxTo));
+      if (change == 0) continue;
+      u[n] += change;
+      moved = true;
+    }
+    if (!moved) break;
+    changed = true;
+    pattern_stale_ = true;
+    measure();
+  }
+  return changed;
 }
 
 void VertexScalingModel::measure() {

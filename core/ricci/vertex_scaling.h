@@ -39,6 +39,9 @@ class VertexScalingModel : public CurvatureModel {
   Eigen::Index size() const override { return unknowns_.count; }
   /// O(F) and the flips; fails also with kNoConvergence where |u| is beyond 600.
   Status moveTo(Context& context, const Eigen::VectorXd& u) override;
+  /// With flips only. Source: vertex_relaxation.h.
+  Result<bool> relax(Context& context, const Eigen::VectorXd& target,
+                     const std::vector<bool>& fixed, Eigen::VectorXd& u) override;
   void accept() override { accepted_flips_ = triangulation_.history().size(); }
   const Eigen::VectorXd& curvature() const override { return curvature_; }
   const SparseMatrix& hessian() override;
