@@ -40,6 +40,10 @@ class CurvatureModel {
     return false;
   }
 
+  /// Makes all u that follow count from `base`, so that changes far below the rounding of base + u
+  /// are felt; zeros at first. Moves nothing. Returns false where the model cannot.
+  virtual bool setBase(const Eigen::VectorXd& /*base*/) { return false; }
+
   /// Keeps the present connectivity as the one from which the next moves start.
   virtual void accept() {}
 

@@ -18,6 +18,8 @@ constexpr double kMaxStep = 10;
 constexpr double kSlopeTurn = 0.1;
 /// Below this residual Newton's method converges at once, or rounding is all there is.
 constexpr double kRoundingRegion = 1e-9;
+/// From here on changes of u are counted on their own.
+constexpr double kFineRegion = 1e-4;
 constexpr int kMaxShortenings = 40;
 /// Of the norm of the gradient, where relaxation is in place of a short step.
 constexpr double kProgress = 0.9;
@@ -33,11 +35,18 @@ class Newton {
     RETURN_IF_ERROR(model_.moveTo(context_, start));
     RETURN_IF_ERROR(model_.relax(context_, target_, options_.fixed, solution_.u).status());
     keep();
+    base_ = Eigen::VectorXd::Zero(start.size());
     while (solution_.residual() > options_.tolerance &&
            solution_.iterations() < options_.max_iterations) {
+      if (!fine_ && solution_.residual() < kFineRegion) {
+        fine_ = true;
+        if (model_.setBase(solution_.u)) std::swap(base_, solution_.u);
+      }
       ASSIGN_OR_RETURN(const bool moved, step());
       if (!moved) break;
     }
+    solution_.u += base_;
+    model_.setBase(Eigen::VectorXd::Zero(base_.size()));
     if (solution_.residual() <= options_.acceptable) return std::move(solution_);
     return Status{Reason::kNoConvergence,
                   "the curvature stays " + shortestDouble(solution_.residual()) +
@@ -135,6 +144,8 @@ class Newton {
   const NewtonOptions& options_;
   NewtonSystem system_;
   Eigen::VectorXd gradient_;
+  Eigen::VectorXd base_;
+  bool fine_ = false;  ///< u counts from base_.
   RicciSolution solution_;
 };
 

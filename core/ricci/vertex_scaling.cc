@@ -1,5 +1,7 @@
 #include "core/ricci/vertex_scaling.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -40,6 +42,8 @@ VertexScalingModel::VertexScalingModel(Geometry geometry, IntrinsicTriangulation
       flips_(flips),
       on_boundary_(triangulation_.vertexCount(), false),
       accepted_flips_(triangulation_.history().size()),
+      base_(Eigen::VectorXd::Zero(unknowns_.count)),
+      change_(triangulation_.vertexCount(), 0.0),
       scale_(triangulation_.vertexCount(), 1.0),
       scaled_(triangulation_.halfedgeCount()),
       half_tangents_(triangulation_.halfedgeCount()),
@@ -58,7 +62,8 @@ Status VertexScalingModel::moveTo(Context& context, const Eigen::VectorXd& u) {
     return {Reason::kNoConvergence, "a conformal factor leaves the range of numbers"};
   }
   for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
-    scale_[v] = std::exp(u[unknowns_.of_vertex[v]] / 2);
+    change_[v] = u[unknowns_.of_vertex[v]];
+    scale_[v] = std::exp((base_[unknowns_.of_vertex[v]] + change_[v]) / 2);
   }
   if (flips_ == Flips::kOn) {
     const std::size_t before = triangulation_.history().size();
@@ -99,6 +104,7 @@ Result<bool> VertexScalingModel::relax(Context& context, const Eigen::VectorXd& 
                        relaxation->solve(context, orbits[n], target[n], kRelaxTo));
       if (change == 0) continue;
       u[n] += change;
+      for (const Index v : orbits[n]) change_[v] = u[n];
       moved = true;
     }
     if (!moved) break;
@@ -122,7 +128,7 @@ void VertexScalingModel::measure() {
         scaled_[h + c] = triangulation_.halfChord(h + c) * pair;
         sides[c] = scaled_[h + c];
       }
-      const ScaledFace face = scaledFace(geometry_, sides);
+      const ScaledFace face = isNeedle(sides) ? needle(h) : scaledFace(geometry_, sides);
       if (!face.proper) broken[begin / kGrain] = 1;
       for (int c = 0; c < 3; ++c) {
         // Side c runs from corner c to the next; the corner opposite is the one after.
@@ -140,6 +146,22 @@ void VertexScalingModel::measure() {
   for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
     curvature_[unknowns_.of_vertex[v]] += at_vertices[v];
   }
+}
+
+ScaledFace VertexScalingModel::needle(Index h) const {
+  TriangleValues sides;
+  std::array<FineFactor, 3> factors;
+  for (int c = 0; c < 3; ++c) {
+    const Index v = triangulation_.tail(h + c);
+    sides[c] = triangulation_.halfChord(h + c);
+    factors[c] = {base_[unknowns_.of_vertex[v]], change_[v]};
+  }
+  return scaledNeedle(geometry_, sides, factors);
+}
+
+bool VertexScalingModel::setBase(const Eigen::VectorXd& base) {
+  base_ = base;
+  return true;
 }
 
 std::vector<double> VertexScalingModel::vertexCurvatures() const {
