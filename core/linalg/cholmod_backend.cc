@@ -3,6 +3,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "core/linalg/factor_backend.h"
 
@@ -67,6 +68,14 @@ class CholmodBackend : public FactorBackend {
     return common_.fl <= flops ? Status() : analyzeWith(view, CHOLMOD_AMD);
   }
 
+  Status reanalyze(const SparseMatrix& matrix) override {
+    if (factor_ == nullptr) return analyze(matrix);
+    const auto* permutation = static_cast<const int*>(factor_->Perm);
+    std::vector<int> kept(permutation, permutation + factor_->n);
+    cholmod_sparse view = viewOf(matrix);
+    return analyzeWith(view, CHOLMOD_GIVEN, kept.data());
+  }
+
   Status factorize(const SparseMatrix& matrix) override {
     cholmod_sparse view = viewOf(matrix);
     cholmod_factorize(&view, factor_, &common_);
@@ -113,12 +122,12 @@ class CholmodBackend : public FactorBackend {
     return view;
   }
 
-  Status analyzeWith(cholmod_sparse& view, int ordering) {
+  Status analyzeWith(cholmod_sparse& view, int ordering, int* given = nullptr) {
     cholmod_free_factor(&factor_, &common_);
     common_.nmethods = 1;
     common_.method[0].ordering = ordering;
     common_.postorder = 1;
-    factor_ = cholmod_analyze(&view, &common_);
+    factor_ = cholmod_analyze_p(&view, given, nullptr, 0, &common_);
     return failure();
   }
 

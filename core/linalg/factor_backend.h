@@ -21,6 +21,10 @@ class FactorBackend {
   /// triangle, compressed. Fails with kMeshTooLarge (out of memory).
   virtual Status analyze(const SparseMatrix& matrix) = 0;
 
+  /// Finds the pattern of the factor of another matrix of the size last analysed, with the ordering
+  /// of then if the back end can give one. Fails as analyze does.
+  virtual Status reanalyze(const SparseMatrix& matrix) { return analyze(matrix); }
+
   /// Factorizes values on the analysed pattern. Fails with kNotPositiveDefinite naming the column.
   virtual Status factorize(const SparseMatrix& matrix) = 0;
 

@@ -137,6 +137,21 @@ Status SpdSolver::refactorize(Context& context, const SparseMatrix& matrix) {
   return factor_->factorize(context);
 }
 
+Status SpdSolver::reanalyze(Context& context, const SparseMatrix& matrix) {
+  RETURN_IF_ERROR(checkMatrix(matrix));
+  if (matrix.rows() != factor_->matrix.rows()) {
+    return {Reason::kInvalidOption, "the matrix has another size than the one analysed"};
+  }
+  factor_->ready = false;
+  factor_->matrix = matrix;
+  {
+    const Context::Stage stage(context, "analyse");
+    RETURN_IF_ERROR(context.check());
+    if (matrix.rows() > 0) RETURN_IF_ERROR(factor_->backend->reanalyze(factor_->matrix));
+  }
+  return factor_->factorize(context);
+}
+
 Result<Eigen::MatrixXd> SpdSolver::solve(Context& context, const Eigen::MatrixXd& b) const {
   const Context::Stage stage(context, "solve");
   Factor& factor = *factor_;

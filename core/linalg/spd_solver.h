@@ -44,6 +44,10 @@ class SpdSolver {
   /// refactorize() succeeds.
   Status refactorize(Context& context, const SparseMatrix& matrix);
 
+  /// Factorizes a matrix of the same size and another pattern, keeping the fill-reducing ordering
+  /// where the back end can: good as long as the graphs differ little. Fails as make does.
+  Status reanalyze(Context& context, const SparseMatrix& matrix);
+
   /// Solves for all columns of b (n x k) together. Refines up to two times while the residual of
   /// a column is above rounding, then demands |b - A x| <= 1e-12 (|A| |x| + |b|) of each column in
   /// the maximum norm and fails with kResidualTooLarge otherwise: a broken BLAS gives an error,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <complex>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,29 +9,10 @@
 #include "core/base/status.h"
 #include "core/mesh/connectivity.h"
 #include "core/ricci/scheme.h"
+#include "core/ricci/target_curvature.h"
 
 /// Flat metrics with prescribed curvature, laid out in the plane.
 namespace moduli {
-
-/// Curvature wanted at a vertex, in radians: 2 pi less the angles around it inside, pi less them on
-/// the boundary.
-struct Cone {
-  Index vertex = 0;
-  double curvature = 0;
-};
-
-/// What happens to the boundary of a surface.
-enum class BoundaryRule : std::uint8_t {
-  kStraight,  ///< Curvature 0 where no cone says otherwise.
-  kCircle,    ///< Every loop turns evenly, by arc length.
-  kFree,      ///< Lengths along the boundary stay as they are.
-};
-
-/// How a metric of the wanted curvature is found.
-enum class RicciSolver : std::uint8_t {
-  kNewton,  ///< Newton's method on the convex energy.
-  kFlow,    ///< The Ricci flow itself, semi-implicit in time.
-};
 
 struct FlatOptions {
   std::vector<Cone> cones;  ///< All other interior vertices are flat.

@@ -23,10 +23,16 @@ class CurvatureModel {
   /// The number of unknowns.
   virtual Eigen::Index size() const = 0;
 
-  /// Moves to the metric of u; may change the connectivity (flips). Fails with kNoConvergence where
-  /// u is not finite or too large for a double, kCancelled, kDeadlineExceeded; then the model has
-  /// to be moved to another u before it answers again.
+  /// Whether adding a constant to u changes no angle; then the Hessian's kernel are the constants.
+  virtual bool scaleFree() const { return geometry() == Geometry::kEuclidean; }
+
+  /// Moves to the metric of u; may change the connectivity (flips), from the one last accepted.
+  /// Fails with kNoConvergence where u is not finite or too far for a double, kCancelled,
+  /// kDeadlineExceeded; then the model has to be moved to another u before it answers again.
   virtual Status moveTo(Context& context, const Eigen::VectorXd& u) = 0;
+
+  /// Keeps the present connectivity as the one from which the next moves start.
+  virtual void accept() {}
 
   /// Per unknown the curvature at u: 2 pi (interior) or pi (boundary) less the angles around the
   /// vertex, summed over the vertices of the unknown.

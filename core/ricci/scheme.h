@@ -12,4 +12,10 @@ enum class Scheme : std::uint8_t {
   kInversiveDistance,  ///< Circles at fixed inversive distance; reproduces the given lengths.
 };
 
+/// How a metric of the wanted curvature is found.
+enum class RicciSolver : std::uint8_t {
+  kNewton,  ///< Newton's method on the convex energy.
+  kFlow,    ///< The Ricci flow itself, semi-implicit in time.
+};
+
 }  // namespace moduli

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "core/intrinsic/flat_charts.h"
+#include "core/mesh/connectivity.h"
+
+namespace moduli {
+
+/// The faces of a flat surface side by side in the plane.
+struct PlanarLayout {
+  /// The images of corners, each as often as the seams cut it.
+  std::vector<std::complex<double>> points;
+  std::vector<Index> corner;  ///< Per halfedge h: the point of tail(h) in its face.
+  /// The largest distance of what two faces make of an end of an edge that is no seam, in units of
+  /// the edge's length (of the mean length, where it is shorter than a millionth of that).
+  double closure = 0;
+};
+
+/// Unfolds charts face by face across the longest edges first, then sews up what a cut graph
+/// through the cones does not need: seams end at cones and on the boundary. surface: connected.
+/// is_cone: per vertex. O(F log F).
+PlanarLayout layOut(const Connectivity& surface, const FlatCharts& charts,
+                    const std::vector<bool>& is_cone);
+
+}  // namespace moduli

@@ -1,0 +1,239 @@
+#include "core/ricci/punctured_metric.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/base/parallel.h"
+#include "core/intrinsic/delaunay.h"
+#include "core/ricci/scaled_face.h"
+
+namespace moduli {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+constexpr double kMaxFactor = 600;
+constexpr std::size_t kFlipsPerCheck = 4096;
+constexpr std::size_t kMaxFlipsPerEdge = 100;
+
+Index next(Index h) {
+  return Connectivity::next(h);
+}
+Index previous(Index h) {
+  return Connectivity::previous(h);
+}
+
+}  // namespace
+
+PuncturedMetric::PuncturedMetric(IntrinsicTriangulation triangulation, Index infinity)
+    : triangulation_(std::move(triangulation)),
+      infinity_(infinity),
+      accepted_flips_(triangulation_.history().size()),
+      u_(Eigen::VectorXd::Zero(triangulation_.vertexCount())),
+      scale_(triangulation_.vertexCount(), 1.0),
+      linked_(triangulation_.vertexCount(), false),
+      scaled_(triangulation_.halfedgeCount(), 1.0),
+      half_tangents_(triangulation_.halfedgeCount(), 0.0),
+      angles_(triangulation_.halfedgeCount(), 0.0),
+      angle_sums_(triangulation_.vertexCount(), 0.0) {}
+
+bool PuncturedMetric::finiteFace(Index h) const {
+  return triangulation_.tail(h) != infinity_ && triangulation_.tail(next(h)) != infinity_ &&
+         triangulation_.tail(previous(h)) != infinity_;
+}
+
+double PuncturedMetric::half(Index h) const {
+  return triangulation_.halfChord(h) *
+         (scale_[triangulation_.tail(h)] * scale_[triangulation_.head(h)]);
+}
+
+void PuncturedMetric::setU(Index v, double value) {
+  u_[v] = value;
+  scale_[v] = std::exp(value / 2);
+}
+
+void PuncturedMetric::joinLink(Index v, Index spoke) {
+  const double bound = -2 * std::log(triangulation_.halfChord(spoke));
+  // With two arcs to infinity the shorter one rules.
+  setU(v, linked_[v] ? std::max(u_[v], bound) : bound);
+  linked_[v] = true;
+}
+
+void PuncturedMetric::findLink() {
+  std::fill(linked_.begin(), linked_.end(), false);
+  for (Index h = 0; h < triangulation_.halfedgeCount(); ++h) {
+    if (triangulation_.tail(h) == infinity_) joinLink(triangulation_.head(h), h);
+  }
+}
+
+bool PuncturedMetric::broken(Index h) const {
+  return half(h) >= half(next(h)) + half(previous(h));
+}
+
+/// Whether the edge of h, seen from a finite face, has to be flipped.
+bool PuncturedMetric::needsWork(Index h) const {
+  if (!triangulation_.canFlip(h) || !finiteFace(h)) return false;
+  const Index t = triangulation_.twin(h);
+  if (!finiteFace(t)) return broken(h);
+  const double e = half(h), a = half(next(h)), b = half(previous(h));
+  const double c = half(next(t)), d = half(previous(t));
+  return delaunaySlack(e, a, b, c, d) < -slackTolerance(e, a, b, c, d);
+}
+
+/// The vertex opposite h, a link edge, is beyond it: it gets an arc to infinity.
+void PuncturedMetric::expose(Index h) {
+  triangulation_.flip(h, triangulation_.ptolemyDiagonal(h));
+  // h runs between infinity and the exposed vertex now.
+  const bool outward = triangulation_.tail(h) == infinity_;
+  const Index spoke = outward ? triangulation_.twin(h) : h;
+  joinLink(triangulation_.tail(spoke), spoke);
+  // Its u has changed: all faces around it are to be looked at again.
+  for (Index g = spoke;;) {
+    work_.push_back(g);
+    work_.push_back(next(g));
+    work_.push_back(triangulation_.twin(next(g)));
+    g = triangulation_.twin(previous(g));
+    if (g == spoke) break;
+  }
+}
+
+Status PuncturedMetric::flipAll(Context& context) {
+  const auto count = static_cast<std::size_t>(triangulation_.halfedgeCount());
+  std::vector<std::vector<Index>> found((count + kGrain - 1) / kGrain);
+  parallelBlocks(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) {
+      const auto h = static_cast<Index>(n);
+      const Index twin = triangulation_.twin(h);
+      if ((twin > h || !finiteFace(twin)) && needsWork(h)) found[begin / kGrain].push_back(h);
+    }
+  });
+  work_.clear();
+  for (const std::vector<Index>& block : found) {
+    work_.insert(work_.end(), block.begin(), block.end());
+  }
+  std::size_t flips = 0;
+  while (!work_.empty()) {
+    Index h = work_.back();
+    work_.pop_back();
+    if (!finiteFace(h)) h = triangulation_.twin(h);
+    if (!needsWork(h)) continue;
+    const Index t = triangulation_.twin(h);
+    if (finiteFace(t)) {
+      triangulation_.flip(h, triangulation_.ptolemyDiagonal(h));
+      for (const Index g : {next(h), previous(h), next(t), previous(t)}) work_.push_back(g);
+    } else {
+      expose(h);
+    }
+    if (++flips % kFlipsPerCheck == 0) RETURN_IF_ERROR(context.check());
+    if (flips > kMaxFlipsPerEdge * count) {
+      return {Reason::kNoConvergence, "Delaunay flips did not end after " + std::to_string(flips)};
+    }
+  }
+  return {};
+}
+
+Status PuncturedMetric::moveTo(Context& context, const Eigen::VectorXd& u) {
+  const Context::Stage stage(context, "metric");
+  RETURN_IF_ERROR(context.check());
+  if (!u.allFinite() || u.cwiseAbs().maxCoeff() > kMaxFactor) {
+    return {Reason::kNoConvergence, "a conformal factor leaves the range of numbers"};
+  }
+  const std::size_t before = triangulation_.history().size();
+  triangulation_.undoTo(accepted_flips_);
+  if (before != accepted_flips_) pattern_stale_ = true;
+  u_ = u;
+  u_[infinity_] = 0;
+  for (Index v = 0; v < triangulation_.vertexCount(); ++v) scale_[v] = std::exp(u_[v] / 2);
+  findLink();
+  RETURN_IF_ERROR(flipAll(context));
+  if (triangulation_.history().size() != accepted_flips_) pattern_stale_ = true;
+  measure();
+  return {};
+}
+
+void PuncturedMetric::accept() {
+  accepted_flips_ = triangulation_.history().size();
+}
+
+bool PuncturedMetric::release(Index vertex) {
+  Index spoke = kNone;
+  Index degree = 0;
+  for (Index h = 0; h < triangulation_.halfedgeCount(); ++h) {
+    if (triangulation_.tail(h) != infinity_) continue;
+    ++degree;
+    if (triangulation_.head(h) == vertex) spoke = h;
+  }
+  if (spoke == kNone || degree <= 3 || !triangulation_.canFlip(spoke)) return false;
+  // From infinity to the vertex; its neighbours on the link are the two opposite corners.
+  const double a = half(next(spoke)), b = half(previous(triangulation_.twin(spoke)));
+  const double angle = angle_sums_[vertex];
+  triangulation_.flip(spoke, triangulation_.ptolemyDiagonal(spoke));
+  accepted_flips_ = triangulation_.history().size();
+  pattern_stale_ = true;
+  // Sides a s, b s over the base a + b with the angle 2 pi - angle between them.
+  const double square = a * a + b * b - 2 * a * b * std::cos(angle);
+  setU(vertex, u_[vertex] + 2 * std::log((a + b) / std::sqrt(square)));
+  return true;
+}
+
+void PuncturedMetric::measure() {
+  const auto faces = static_cast<std::size_t>(triangulation_.faceCount());
+  parallelBlocks(faces, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto h = static_cast<Index>(3 * f);
+      const bool finite = finiteFace(h);
+      TriangleValues sides;
+      for (int c = 0; c < 3; ++c) {
+        const bool spoke =
+            triangulation_.tail(h + c) == infinity_ || triangulation_.head(h + c) == infinity_;
+        sides[c] = scaled_[h + c] = spoke ? 1 : half(h + c);
+      }
+      ScaledFace face{{0, 0, 0}, true};
+      if (finite) face = scaledFace(Geometry::kEuclidean, sides);
+      for (int c = 0; c < 3; ++c) {
+        const double t = face.half_tangent[(c + 1) % 3];
+        half_tangents_[h + c] = t;
+        angles_[h + c] = 2 * std::atan(t);
+      }
+    }
+  });
+  std::fill(angle_sums_.begin(), angle_sums_.end(), 0.0);
+  for (Index h = 0; h < triangulation_.halfedgeCount(); ++h) {
+    angle_sums_[triangulation_.tail(h)] += angles_[h];
+  }
+}
+
+const SparseMatrix& PuncturedMetric::hessian() {
+  const Index vertices = triangulation_.vertexCount();
+  if (pattern_stale_) {
+    std::vector<Index> unknown(vertices, kNone);
+    for (Index v = 0; v < vertices; ++v) {
+      if (isFree(v)) unknown[v] = v;
+    }
+    pattern_.build(triangulation_, unknown, vertices);
+    pattern_stale_ = false;
+    ++pattern_version_;
+  }
+  SparseMatrix& matrix = pattern_.matrix();
+  double* values = matrix.valuePtr();
+  std::fill(values, values + matrix.nonZeros(), 0.0);
+  for (Index h = 0; h < triangulation_.halfedgeCount(); ++h) {
+    const Index j = next(h), k = previous(h);
+    const double ti = half_tangents_[h], tj = half_tangents_[j], tk = half_tangents_[k];
+    if (!(ti > 0 && tj > 0 && tk > 0)) continue;
+    const EdgeWeight weight = edgeWeight(Geometry::kEuclidean, ti, tj, tk, scaled_[h]);
+    const Index a = triangulation_.tail(h), b = triangulation_.tail(j);
+    if (isFree(a)) values[pattern_.diagonal(a)] += weight.diagonal;
+    if (isFree(b)) values[pattern_.diagonal(b)] += weight.diagonal;
+    const Index slot = pattern_.slot(h);
+    if (slot != kNone) values[slot] += weight.mixed;
+    if (a == b && isFree(a)) values[pattern_.diagonal(a)] += 2 * weight.mixed;
+  }
+  for (Index v = 0; v < vertices; ++v) {
+    if (!isFree(v)) values[pattern_.diagonal(v)] = 1;
+  }
+  return matrix;
+}
+
+}  // namespace moduli

@@ -1,0 +1,313 @@
+#include "core/ricci/punctured_sphere.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <queue>
+#include <string>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/intrinsic/delaunay.h"
+#include "core/ricci/newton_system.h"
+#include "core/ricci/punctured_metric.h"
+
+namespace moduli {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kTolerance = 1e-13;
+constexpr double kAcceptable = 1e-10;
+/// Rounding of angle sums of a link vertex; a straight one may stand on either side of pi.
+constexpr double kStraight = 1e-9;
+/// Relative to the residual of free vertices.
+constexpr double kEarlyRelease = 0.5;
+constexpr int kMaxIterations = 100;
+constexpr int kMaxShortenings = 30;
+constexpr int kMaxReleases = 200;
+constexpr double kMaxStep = 8;
+constexpr double kSlopeTurn = 0.3;
+constexpr double kRoundingRegion = 1e-9;
+constexpr Index kCandidates = 6;
+
+/// The active-set Newton iteration for one vertex at infinity.
+class Solver {
+ public:
+  Solver(Context& context, IntrinsicTriangulation triangulation, Index infinity)
+      : context_(context), metric_(std::move(triangulation), infinity) {}
+
+  Status run(const Eigen::VectorXd& start) {
+    RETURN_IF_ERROR(metric_.moveTo(context_, start));
+    keep();
+    for (int n = 0; n < kMaxIterations; ++n) {
+      bool moved = false;
+      if (residuals_.back() > kTolerance) {
+        ASSIGN_OR_RETURN(moved, step());
+        if (!moved && residuals_.back() > kAcceptable) break;
+      }
+      ASSIGN_OR_RETURN(const bool released, releaseReflex(moved ? kEarlyRelease : 0));
+      if (!moved && !released) break;
+    }
+    return judge();
+  }
+
+  const PuncturedMetric& metric() const { return metric_; }
+  const std::vector<double>& residuals() const { return residuals_; }
+
+  double maxLinkAngle() const {
+    double largest = 0;
+    for (Index v = 0; v < vertices(); ++v) {
+      if (metric_.isLinked(v)) largest = std::max(largest, metric_.angleSums()[v]);
+    }
+    return largest;
+  }
+
+ private:
+  Index vertices() const { return metric_.triangulation().vertexCount(); }
+
+  Eigen::VectorXd gradientThere() const {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(vertices());
+    for (Index v = 0; v < vertices(); ++v) {
+      if (metric_.isFree(v)) gradient[v] = 2 * kPi - metric_.angleSums()[v];
+    }
+    return gradient;
+  }
+
+  void keep() {
+    metric_.accept();
+    gradient_ = gradientThere();
+    residuals_.push_back(gradient_.cwiseAbs().maxCoeff());
+  }
+
+  /// One Newton step of the free vertices; false where rounding has the last word.
+  Result<bool> step() {
+    const double before = residuals_.back();
+    const SparseMatrix& hessian = metric_.hessian();
+    ASSIGN_OR_RETURN(
+        const Eigen::VectorXd direction,
+        system_.direction(context_, hessian, metric_.patternVersion(), false, {}, gradient_));
+    const Eigen::VectorXd here = metric_.u();
+    const double slope = gradient_.dot(direction);
+    const double length = direction.cwiseAbs().maxCoeff();
+    double t = length > kMaxStep ? kMaxStep / length : 1;
+    for (int n = 0; n < kMaxShortenings; ++n, t /= 2) {
+      const Status moved = metric_.moveTo(context_, here + t * direction);
+      if (moved.reason() == Reason::kNoConvergence) continue;
+      RETURN_IF_ERROR(moved);
+      const Eigen::VectorXd gradient = gradientThere();
+      const double after = gradient.cwiseAbs().maxCoeff();
+      if (before < kRoundingRegion && after > before / 2) {
+        if (after < before)
+          keep();
+        else
+          RETURN_IF_ERROR(metric_.moveTo(context_, here));
+        return false;
+      }
+      if (gradient.dot(direction) <= kSlopeTurn * std::abs(slope) || after < before / 2) {
+        keep();
+        return true;
+      }
+    }
+    RETURN_IF_ERROR(metric_.moveTo(context_, here));
+    return false;
+  }
+
+  /// Takes the vertices off the link whose angle is above pi, by more than `ratio` times the
+  /// residual; false if there are none. An angle that is wrong by more than all others is not going
+  /// to come right by itself.
+  Result<bool> releaseReflex(double ratio) {
+    const double excess = std::max(kStraight, ratio * residuals_.back());
+    std::vector<Index> reflex;
+    for (Index v = 0; v < vertices(); ++v) {
+      if (metric_.isLinked(v) && metric_.angleSums()[v] > kPi + excess) reflex.push_back(v);
+    }
+    bool any = false;
+    for (const Index v : reflex) {
+      if (releases_ >= kMaxReleases) break;
+      if (!metric_.release(v)) continue;
+      ++releases_;
+      any = true;
+    }
+    if (!any) return false;
+    RETURN_IF_ERROR(metric_.moveTo(context_, Eigen::VectorXd(metric_.u())));
+    metric_.accept();
+    gradient_ = gradientThere();
+    residuals_.back() = gradient_.cwiseAbs().maxCoeff();
+    return true;
+  }
+
+  Status judge() const {
+    if (residuals_.back() > kAcceptable) {
+      return {Reason::kNoConvergence, "the punctured sphere stays " +
+                                          shortestDouble(residuals_.back()) +
+                                          " radians from flat after " +
+                                          std::to_string(residuals_.size() - 1) + " Newton steps"};
+    }
+    if (maxLinkAngle() > kPi + kStraight) {
+      return {Reason::kNoConvergence, "the boundary of the flattened sphere stays concave by " +
+                                          shortestDouble(maxLinkAngle() - kPi) + " radians"};
+    }
+    return {};
+  }
+
+  Context& context_;
+  PuncturedMetric metric_;
+  NewtonSystem system_;
+  Eigen::VectorXd gradient_;
+  std::vector<double> residuals_;
+  int releases_ = 0;
+};
+
+/// Distances from one vertex along edges, in half chords of the triangulation.
+std::vector<double> edgeDistances(const IntrinsicTriangulation& triangulation, Index source) {
+  std::vector<std::vector<std::pair<Index, double>>> neighbours(triangulation.vertexCount());
+  for (Index h = 0; h < triangulation.halfedgeCount(); ++h) {
+    neighbours[triangulation.tail(h)].push_back(
+        {triangulation.head(h), triangulation.halfChord(h)});
+  }
+  std::vector<double> distance(triangulation.vertexCount(),
+                               std::numeric_limits<double>::infinity());
+  using Entry = std::pair<double, Index>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  queue.push({0, source});
+  distance[source] = 0;
+  while (!queue.empty()) {
+    const auto [d, v] = queue.top();
+    queue.pop();
+    if (d > distance[v]) continue;
+    for (const auto& [w, length] : neighbours[v]) {
+      if (d + length >= distance[w]) continue;
+      distance[w] = d + length;
+      queue.push({distance[w], w});
+    }
+  }
+  return distance;
+}
+
+/// u = -2 log(half chord to infinity): what the inversion at that vertex does.
+Eigen::VectorXd startFor(const IntrinsicTriangulation& triangulation,
+                         const std::vector<Eigen::Vector3d>& positions, double unit,
+                         Index infinity) {
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(triangulation.vertexCount());
+  const std::vector<double> distance =
+      positions.empty() ? edgeDistances(triangulation, infinity) : std::vector<double>();
+  double smallest = std::numeric_limits<double>::infinity();
+  for (Index h = 0; h < triangulation.halfedgeCount(); ++h) {
+    smallest = std::min(smallest, triangulation.halfChord(h));
+  }
+  for (Index v = 0; v < triangulation.vertexCount(); ++v) {
+    if (v == infinity) continue;
+    const double d =
+        positions.empty() ? distance[v] : (positions[v] - positions[infinity]).norm() * unit;
+    u[v] = -2 * std::log(std::max(d, smallest / 2));
+  }
+  return u;
+}
+
+bool hasLoop(const IntrinsicTriangulation& triangulation, Index v) {
+  for (Index h = 0; h < triangulation.halfedgeCount(); ++h) {
+    if (triangulation.tail(h) == v && triangulation.head(h) == v) return true;
+  }
+  return false;
+}
+
+/// Vertices in the order in which they are tried: the most central ones in space first, or those
+/// with most neighbours; well apart in that order after the first.
+std::vector<Index> candidates(const IntrinsicTriangulation& triangulation,
+                              const std::vector<Eigen::Vector3d>& positions) {
+  const Index count = triangulation.vertexCount();
+  std::vector<double> key(count, 0.0);
+  if (positions.empty()) {
+    for (Index h = 0; h < triangulation.halfedgeCount(); ++h) --key[triangulation.tail(h)];
+  } else {
+    // Weighted by the edges around: an even sampling of the surface, whatever that of the vertices.
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    double total = 0;
+    for (Index h = 0; h < triangulation.halfedgeCount(); ++h) {
+      const double weight = triangulation.halfChord(h) * triangulation.halfChord(h);
+      center += weight * positions[triangulation.tail(h)];
+      total += weight;
+    }
+    center /= total;
+    for (Index v = 0; v < count; ++v) key[v] = (positions[v] - center).norm();
+  }
+  std::vector<Index> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return key[a] < key[b]; });
+  std::vector<Index> chosen;
+  const Index tries = std::min(kCandidates, count);
+  for (Index n = 0; n < tries; ++n) chosen.push_back(order[n * (count / tries)]);
+  return chosen;
+}
+
+PuncturedSphereMetric describe(const Solver& solver) {
+  const PuncturedMetric& metric = solver.metric();
+  const Index vertices = metric.triangulation().vertexCount();
+  PuncturedSphereMetric result{{Geometry::kEuclidean, metric.triangulation(),
+                                std::vector<double>(metric.u().begin(), metric.u().end()),
+                                metric.scaledHalfChords(), metric.angles(), MetricCertificate()},
+                               metric.infinity(),
+                               std::vector<bool>(vertices, false),
+                               solver.maxLinkAngle()};
+  MetricCertificate& certificate = result.metric.certificate;
+  double total = -2 * kPi;  // The turning of the polygon's boundary.
+  for (Index v = 0; v < vertices; ++v) {
+    if (v == metric.infinity()) continue;
+    result.on_link[v] = metric.isLinked(v);
+    const double curvature = (metric.isLinked(v) ? kPi : 2 * kPi) - metric.angleSums()[v];
+    total += curvature;
+    if (metric.isLinked(v)) continue;
+    certificate.curvature_residual = std::max(certificate.curvature_residual, std::abs(curvature));
+  }
+  certificate.gauss_bonnet_residual = std::abs(total);
+  certificate.newton_iterations = static_cast<int>(solver.residuals().size()) - 1;
+  certificate.residuals = solver.residuals();
+  certificate.flips = static_cast<int>(metric.triangulation().history().size());
+  certificate.smallest_angle = kPi;
+  for (Index h = 0; h < metric.triangulation().halfedgeCount(); ++h) {
+    if (metric.finiteFace(h)) {
+      certificate.smallest_angle = std::min(certificate.smallest_angle, metric.angles()[h]);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<PuncturedSphereMetric> uniformizePuncturedSphere(
+    Context& context, const Connectivity& surface, const std::vector<double>& lengths,
+    const std::vector<Eigen::Vector3d>& positions, const PuncturedSphereOptions& options) {
+  if (surface.eulerCharacteristic() != 2 || surface.vertexCount() < 4) {
+    return Status{Reason::kUnsupportedTopology,
+                  "a sphere of at least 4 vertices is needed, not one of Euler characteristic " +
+                      std::to_string(surface.eulerCharacteristic()) + " and " +
+                      std::to_string(surface.vertexCount()) + " vertices"};
+  }
+  const double mean =
+      std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
+  const double unit = 1 / (2 * mean);
+  std::vector<double> half_chords = lengths;
+  for (double& length : half_chords) length *= unit;
+  IntrinsicTriangulation triangulation(surface, half_chords);
+  const std::vector<Index> tries = options.infinity != kNone ? std::vector<Index>{options.infinity}
+                                                             : candidates(triangulation, positions);
+  if (options.initial_delaunay) {
+    const Context::Stage stage(context, "delaunay");
+    RETURN_IF_ERROR(flipToDelaunayIsometric(context, triangulation).status());
+  }
+  Status failure{Reason::kNoConvergence, "every vertex that was tried has a loop around it"};
+  for (const Index infinity : tries) {
+    if (hasLoop(triangulation, infinity)) continue;
+    Solver solver(context, triangulation, infinity);
+    const Status solved = solver.run(startFor(triangulation, positions, unit, infinity));
+    if (solved.ok()) return describe(solver);
+    if (solved.reason() != Reason::kNoConvergence) return solved;
+    failure = solved;
+  }
+  return failure;
+}
+
+}  // namespace moduli

@@ -1,0 +1,147 @@
+#include "core/ricci/vertex_scaling.h"
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "core/base/parallel.h"
+#include "core/intrinsic/delaunay.h"
+#include "core/ricci/scaled_face.h"
+
+namespace moduli {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+/// e^{u / 2} and its products with half chords stay far from the ends of a double's range.
+constexpr double kMaxFactor = 600;
+
+}  // namespace
+
+Unknowns Unknowns::all(Index vertices) {
+  Unknowns unknowns;
+  unknowns.of_vertex.resize(vertices);
+  std::iota(unknowns.of_vertex.begin(), unknowns.of_vertex.end(), 0);
+  unknowns.count = vertices;
+  return unknowns;
+}
+
+VertexScalingModel::VertexScalingModel(Geometry geometry, IntrinsicTriangulation triangulation,
+                                       Unknowns unknowns, Flips flips)
+    : geometry_(geometry),
+      triangulation_(std::move(triangulation)),
+      unknowns_(std::move(unknowns)),
+      flips_(flips),
+      on_boundary_(triangulation_.vertexCount(), false),
+      accepted_flips_(triangulation_.history().size()),
+      scale_(triangulation_.vertexCount(), 1.0),
+      scaled_(triangulation_.halfedgeCount()),
+      half_tangents_(triangulation_.halfedgeCount()),
+      angles_(triangulation_.halfedgeCount()),
+      curvature_(Eigen::VectorXd::Zero(unknowns_.count)) {
+  for (Index h = 0; h < triangulation_.halfedgeCount(); ++h) {
+    if (triangulation_.twin(h) != kNone) continue;
+    on_boundary_[triangulation_.tail(h)] = on_boundary_[triangulation_.head(h)] = true;
+  }
+}
+
+Status VertexScalingModel::moveTo(Context& context, const Eigen::VectorXd& u) {
+  const Context::Stage stage(context, "metric");
+  RETURN_IF_ERROR(context.check());
+  if (!u.allFinite() || (u.size() > 0 && u.cwiseAbs().maxCoeff() > kMaxFactor)) {
+    return {Reason::kNoConvergence, "a conformal factor leaves the range of numbers"};
+  }
+  for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
+    scale_[v] = std::exp(u[unknowns_.of_vertex[v]] / 2);
+  }
+  if (flips_ == Flips::kOn) {
+    const std::size_t before = triangulation_.history().size();
+    triangulation_.undoTo(accepted_flips_);
+    ASSIGN_OR_RETURN(const std::size_t flips,
+                     flipToDelaunayPtolemy(context, triangulation_, scale_));
+    if (flips > 0 || before != accepted_flips_) pattern_stale_ = true;
+  }
+  measure();
+  return {};
+}
+
+void VertexScalingModel::measure() {
+  const auto faces = static_cast<std::size_t>(triangulation_.faceCount());
+  std::vector<char> broken((faces + kGrain - 1) / kGrain, 0);
+  parallelBlocks(faces, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto h = static_cast<Index>(3 * f);
+      TriangleValues sides;
+      for (int c = 0; c < 3; ++c) {
+        const double pair =
+            scale_[triangulation_.tail(h + c)] * scale_[triangulation_.tail(h + (c + 1) % 3)];
+        scaled_[h + c] = triangulation_.halfChord(h + c) * pair;
+        sides[c] = scaled_[h + c];
+      }
+      const ScaledFace face = scaledFace(geometry_, sides);
+      if (!face.proper) broken[begin / kGrain] = 1;
+      for (int c = 0; c < 3; ++c) {
+        // Side c runs from corner c to the next; the corner opposite is the one after.
+        const double t = face.half_tangent[(c + 1) % 3];
+        half_tangents_[h + c] = t;
+        angles_[h + c] = 2 * std::atan(t);
+      }
+    }
+  });
+  proper_ = true;
+  for (const char block : broken) proper_ = proper_ && block == 0;
+
+  curvature_.setZero();
+  const std::vector<double> at_vertices = vertexCurvatures();
+  for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
+    curvature_[unknowns_.of_vertex[v]] += at_vertices[v];
+  }
+}
+
+std::vector<double> VertexScalingModel::vertexCurvatures() const {
+  std::vector<double> sums(triangulation_.vertexCount(), 0.0);
+  for (Index h = 0; h < triangulation_.halfedgeCount(); ++h) {
+    sums[triangulation_.tail(h)] += angles_[h];
+  }
+  for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
+    sums[v] = (on_boundary_[v] ? 1 : 2) * std::numbers::pi - sums[v];
+  }
+  return sums;
+}
+
+double VertexScalingModel::area() const {
+  double total = 0;
+  for (Index h = 0; h < triangulation_.halfedgeCount(); h += 3) {
+    TriangleValues lengths;
+    for (int c = 0; c < 3; ++c) lengths[c] = lengthOfHalfChord(geometry_, scaled_[h + c]);
+    total += triangleArea(geometry_, lengths);
+  }
+  return total;
+}
+
+const SparseMatrix& VertexScalingModel::hessian() {
+  if (pattern_stale_) {
+    pattern_.build(triangulation_, unknowns_.of_vertex, unknowns_.count);
+    pattern_stale_ = false;
+    ++pattern_version_;
+  }
+  SparseMatrix& matrix = pattern_.matrix();
+  double* values = matrix.valuePtr();
+  std::fill(values, values + matrix.nonZeros(), 0.0);
+  for (Index h = 0; h < triangulation_.halfedgeCount(); ++h) {
+    const Index j = Connectivity::next(h), k = Connectivity::previous(h);
+    const double ti = half_tangents_[h], tj = half_tangents_[j], tk = half_tangents_[k];
+    if (!(ti > 0 && tj > 0 && tk > 0)) continue;  // A broken face stays as it is.
+    const EdgeWeight weight = edgeWeight(geometry_, ti, tj, tk, scaled_[h]);
+    const Index a = unknowns_.of_vertex[triangulation_.tail(h)];
+    const Index b = unknowns_.of_vertex[triangulation_.tail(j)];
+    values[pattern_.diagonal(a)] += weight.diagonal;
+    values[pattern_.diagonal(b)] += weight.diagonal;
+    const Index slot = pattern_.slot(h);
+    if (slot != kNone) values[slot] += weight.mixed;
+    if (a == b) values[pattern_.diagonal(a)] += 2 * weight.mixed;
+  }
+  return matrix;
+}
+
+}  // namespace moduli
