@@ -13,7 +13,8 @@ BUILD_PACKAGES := g++ cmake ninja-build ccache pkg-config \
   libeigen3-dev libopenmesh-dev libflann-dev liblz4-dev \
   libsuitesparse-dev libopenblas-pthread-dev libopenblas0-pthread \
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc \
-  libsqlite3-dev libzstd-dev libssl-dev libcli11-dev libtomlplusplus-dev libcairo2-dev fonts-dejavu-core \
+  libsqlite3-dev libzstd-dev libssl-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev \
+  libcairo2-dev fonts-dejavu-core \
   libgtest-dev libgmock-dev libbenchmark-dev
 TEST_PACKAGES := $(BUILD_PACKAGES) clang-format clang-19 libclang-rt-19-dev
 

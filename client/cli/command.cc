@@ -101,7 +101,7 @@ OptionSpec formatOption() {
   return {.names = "--format",
           .value = "FORMAT",
           .help = "Format of the mesh; by default its content tells, then its extension",
-          .choices = {"obj", "off", "ply", "stl"}};
+          .choices = {"obj", "off", "ply", "stl", "json"}};
 }
 
 OptionSpec spaceOption(const std::string& help) {

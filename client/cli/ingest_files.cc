@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <unordered_map>
 
 #include "client/cpp/mesh_bytes.h"
 #include "core/base/text.h"
+#include "core/intrinsic/intrinsic_json.h"
 #include "core/mesh/format.h"
 
 namespace moduli::cli {
@@ -25,6 +27,16 @@ std::string nameFromPath(const fs::path& path) {
   while (name.starts_with('/')) name.erase(0, 1);
   std::replace(name.begin(), name.end(), '/', ':');
   return name;
+}
+
+// By the extension; but JSON files are mostly something else.
+bool isSurfaceFile(const fs::path& path) {
+  const auto format = formatFromExtension(path.filename().string());
+  if (format != MeshFormat::kJson) return format.has_value();
+  std::string beginning(4096, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+  return looksLikeIntrinsicJson(beginning);
 }
 
 class Collector {
@@ -54,8 +66,8 @@ class Collector {
     std::vector<std::string> found;
     const auto keep = [&](const fs::directory_entry& entry) {
       std::error_code ignored;
-      const bool mesh = formatFromExtension(entry.path().filename().string()).has_value();
-      if (mesh && entry.is_regular_file(ignored)) found.push_back(entry.path().string());
+      if (!entry.is_regular_file(ignored) || !isSurfaceFile(entry.path())) return;
+      found.push_back(entry.path().string());
     };
     if (options_.recursive) {
       const auto skip = fs::directory_options::skip_permission_denied;

@@ -22,9 +22,10 @@ struct IngestFile {
 };
 
 /// What a list of files and folders stands for, in its order; folders by name, with the mesh files
-/// (by extension) directly in them, or in all folders below. A file named twice counts once. Two
+/// (by extension; .json files only if their beginning says that they are intrinsic triangulations)
+/// directly in them, or in all folders below. A file named twice counts once. Two
 /// different files that would get one name both fail with kNameClash; what is not there fails with
-/// kFileNotFound. Opens no file. O(n log n).
+/// kFileNotFound. Opens no other file. O(n log n).
 std::vector<IngestFile> ingestFiles(const std::vector<std::string>& paths,
                                     const IngestFilesOptions& options);
 

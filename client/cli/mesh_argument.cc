@@ -73,6 +73,8 @@ v1::MeshSource::Format protoFormat(const std::string& name) {
       return v1::MeshSource::PLY;
     case MeshFormat::kStl:
       return v1::MeshSource::STL;
+    case MeshFormat::kJson:
+      return v1::MeshSource::JSON;
   }
   return v1::MeshSource::FORMAT_UNSPECIFIED;
 }

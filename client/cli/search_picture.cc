@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/context.h"
+#include "core/mesh/format.h"
 #include "core/mesh/read.h"
 #include "core/picture/render.h"
 #include "core/picture/sheet.h"
@@ -16,6 +17,10 @@ constexpr int kColumns = 4;
 constexpr int kSide = 240;
 
 Result<Image> drawMesh(std::string_view bytes, const std::string& name) {
+  // An intrinsic triangulation has no place in space: its cell stays empty.
+  if (detectFormat(bytes, name) == MeshFormat::kJson) {
+    return Image(kSide, kSide, RenderOptions().background);
+  }
   Context context;
   ReadOptions options;
   options.name = name;

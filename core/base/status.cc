@@ -36,6 +36,8 @@ constexpr std::array kReasons{
     ReasonRow{Reason::kMultipleComponents, kInvalidArgument, "MULTIPLE_COMPONENTS"},
     ReasonRow{Reason::kComponentNotFound, kInvalidArgument, "COMPONENT_NOT_FOUND"},
     ReasonRow{Reason::kNotClosed, kInvalidArgument, "NOT_CLOSED"},
+    ReasonRow{Reason::kInvalidGluing, kInvalidArgument, "INVALID_GLUING"},
+    ReasonRow{Reason::kInvalidMetric, kInvalidArgument, "INVALID_METRIC"},
     ReasonRow{Reason::kUnsupportedTopology, kUnimplemented, "UNSUPPORTED_TOPOLOGY"},
     ReasonRow{Reason::kFoldedMap, kFailedPrecondition, "FOLDED_MAP"},
     ReasonRow{Reason::kResidualTooLarge, ErrorCode::kInternal, "RESIDUAL_TOO_LARGE"},

@@ -63,6 +63,8 @@ enum class Reason : std::uint8_t {
   kMultipleComponents,
   kComponentNotFound,
   kNotClosed,
+  kInvalidGluing,  ///< Of triangles whose sides are glued by name.
+  kInvalidMetric,  ///< Edge lengths that make no surface.
   // Computation.
   kUnsupportedTopology,
   kFoldedMap,

@@ -10,7 +10,7 @@
 namespace moduli {
 namespace {
 
-constexpr std::array<std::string_view, 4> kNames = {"obj", "off", "ply", "stl"};
+constexpr std::array<std::string_view, 5> kNames = {"obj", "off", "ply", "stl", "json"};
 
 char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -35,6 +35,7 @@ std::optional<MeshFormat> formatFromContent(std::string_view bytes) {
   const bool at_start = scanner.left() == bytes.size();
   const std::string_view word = scanner.word();
   if (word == "ply" && at_start) return MeshFormat::kPly;
+  if (word.starts_with('{')) return MeshFormat::kJson;
   if (parseOffHeader(word)) return MeshFormat::kOff;
   if (looksLikeAsciiStl(bytes)) return MeshFormat::kStl;
   const bool zeros = bytes.substr(0, kSample).find('\0') != std::string_view::npos;

@@ -73,6 +73,11 @@ Result<TriangleSoup> readAs(MeshFormat format, ReadJob& job) {
       return readPly(job);
     case MeshFormat::kStl:
       return readStl(job);
+    case MeshFormat::kJson:
+      return job.scanner.byteError(
+          Reason::kUnsupportedContent, job.scanner.at(),
+          "an intrinsic triangulation has no positions in space, which are needed here",
+          "give the surface as an OBJ, OFF, PLY or STL file");
   }
   return Status(Reason::kInternal, "a mesh format without a reader");
 }
@@ -110,7 +115,7 @@ Result<TriangleSoup> readMesh(Context& context, std::string_view bytes,
   const auto format = options.format ? options.format : detectFormat(bytes, options.name);
   if (!format) {
     return job.scanner.byteError(Reason::kUnknownFormat, bytes.data(),
-                                 "the content is not OBJ, OFF, PLY or STL",
+                                 "the content is not OBJ, OFF, PLY, STL or JSON",
                                  "convert the mesh to one of these formats");
   }
   return readAs(*format, job);

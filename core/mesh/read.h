@@ -28,9 +28,10 @@ struct ReadOptions {
 /// one vertex, numbered by first use). Polygons become fans from their first corner.
 ///
 /// Fails with kUnknownFormat, kSyntaxError, kTruncatedFile, kCountTooLarge, kIndexOutOfRange,
-/// kUnsupportedContent, kEmpty (no faces), kMeshTooLarge, kCancelled. The message starts with the
-/// name and the 1-based line ("part.obj:17: ...") or the byte offset ("part.ply: byte 480: ..."),
-/// names the defect, and the hint says what to do. NaN and infinity are read as such where the
+/// kUnsupportedContent (also for JSON: an intrinsic triangulation has no positions), kEmpty (no
+/// faces), kMeshTooLarge, kCancelled. The message starts with the name and the 1-based line
+/// ("part.obj:17: ...") or the byte offset ("part.ply: byte 480: ..."), names the defect, and the
+/// hint says what to do. NaN and infinity are read as such where the
 /// format spells them ("nan", "inf"): validation reports them as NON_FINITE_COORDINATE.
 /// O(bytes), one pass.
 Result<TriangleSoup> readMesh(Context& context, std::string_view bytes, const ReadOptions& options);

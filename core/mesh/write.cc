@@ -184,6 +184,9 @@ Result<std::string> writeMesh(const TriangleSoup& soup, MeshFormat format, Encod
     case MeshFormat::kStl:
       if (encoding == Encoding::kBinary) return writeBinaryStl(soup);
       return writeTextStl(soup);
+    case MeshFormat::kJson:
+      return Status(Reason::kInvalidOption, "json files hold intrinsic triangulations, not meshes",
+                    "choose obj, off, ply or stl");
   }
   return Status(Reason::kInternal, "a mesh format without a writer");
 }

@@ -15,8 +15,8 @@ enum class Encoding { kText, kBinary };
 /// is written with double coordinates, in text or little-endian binary. OBJ and OFF are text only.
 /// Binary STL rounds coordinates to float32 (its format has no more); STL of both encodings loses
 /// the numbering and the vertices without faces.
-/// Fails with kInvalidOption (a format that has no such encoding; in binary STL a coordinate beyond
-/// float32). O(V + F).
+/// Fails with kInvalidOption (a format that has no such encoding; JSON; in binary STL a coordinate
+/// beyond float32). O(V + F).
 Result<std::string> writeMesh(const TriangleSoup& soup, MeshFormat format,
                               Encoding encoding = Encoding::kText);
 

@@ -11,6 +11,7 @@
 #include "core/base/text.h"
 #include "core/forms/cotan.h"
 #include "core/forms/torus_period.h"
+#include "core/intrinsic/chordal_metric.h"
 #include "core/intrinsic/mollify.h"
 #include "core/signature/amplitudes.h"
 #include "core/signature/conformal_block.h"
@@ -36,11 +37,22 @@ constexpr double kTellingTauError = 0.1;
 class SignatureBuilder {
  public:
   SignatureBuilder(Context& context, const PreparedMesh& prepared, const SignatureOptions& options)
-      : context_(context), prepared_(prepared), mesh_(prepared.mesh), options_(options) {}
+      : context_(context),
+        surface_(prepared.mesh.connectivity()),
+        mesh_(&prepared.mesh),
+        options_(options) {
+    signature_.certificate.warnings = prepared.warnings;
+  }
+  SignatureBuilder(Context& context, const IntrinsicSurface& intrinsic,
+                   const SignatureOptions& options)
+      : context_(context),
+        surface_(intrinsic.connectivity),
+        intrinsic_(&intrinsic),
+        options_(options) {}
 
   Result<Signature> build() {
     RETURN_IF_ERROR(describeTopology());
-    signature_.certificate.warnings = prepared_.warnings;
+    RETURN_IF_ERROR(checkSpaces());
     switch (conformalTypeOf(signature_.topology.genus, signature_.topology.boundary_loops)) {
       case ConformalType::kSphere:
         RETURN_IF_ERROR(signSphere());
@@ -58,20 +70,22 @@ class SignatureBuilder {
 
  private:
   bool wants(Space space) const { return !options_.space || *options_.space == space; }
-  bool wantsFields() const { return wants(Space::kMetric) || wants(Space::kShape); }
-  const Connectivity& surface() const { return mesh_.connectivity(); }
+  bool wantsFields() const {
+    return mesh_ != nullptr && (wants(Space::kMetric) || wants(Space::kShape));
+  }
+  const Connectivity& surface() const { return surface_; }
 
   Status describeTopology() {
     const Context::Stage stage(context_, "topology");
     const SurfaceTopology topology = computeTopology(surface());
     SignatureTopology& block = signature_.topology;
-    block.vertices = mesh_.vertexCount();
-    block.faces = mesh_.faceCount();
+    block.vertices = surface().vertexCount();
+    block.faces = surface().faceCount();
     block.components = topology.components;
     block.genus = topology.genus;
     block.boundary_loops = static_cast<Index>(topology.boundary_loops.size());
     block.euler_characteristic = topology.euler_characteristic;
-    block.area = mesh_.area();
+    block.area = mesh_ != nullptr ? mesh_->area() : surfaceArea(*intrinsic_);
     if (!std::isfinite(block.area)) {
       return {Reason::kOverflow, "the area of the surface is too large for a double",
               "give the coordinates in larger units"};
@@ -80,6 +94,20 @@ class SignatureBuilder {
     return {Reason::kUnsupportedTopology,
             "the surface has " + std::to_string(block.components) + " components instead of 1",
             "sign one of them"};
+  }
+
+  /// Without positions there is only the conformal space.
+  Status checkSpaces() {
+    if (mesh_ != nullptr) return {};
+    const std::string why =
+        "the metric and shape spaces of intrinsic triangulations are not "
+        "available";
+    if (!wants(Space::kConformal)) {
+      return {Reason::kUnsupportedContent, why,
+              "ask for the conformal space, or give the surface as a mesh"};
+    }
+    if (!options_.space) signature_.certificate.warnings.push_back("SPACES_OMITTED: " + why);
+    return {};
   }
 
   /// Every other type: its periods, and no map to a canonical domain yet.
@@ -114,8 +142,8 @@ class SignatureBuilder {
     RETURN_IF_ERROR(makeMetric());
     ASSIGN_OR_RETURN(const SphereMap map, mapToSphereLinear(context_, surface(), lengths_));
     RETURN_IF_ERROR(certifySphere(map));
-    std::vector<double> canonical(mesh_.faceCount());
-    for (Index f = 0; f < mesh_.faceCount(); ++f) {
+    std::vector<double> canonical(surface().faceCount());
+    for (Index f = 0; f < surface().faceCount(); ++f) {
       const auto& [a, b, c] = surface().face(f);
       canonical[f] = signedSolidAngle(map.points[a], map.points[b], map.points[c]);
     }
@@ -159,9 +187,20 @@ class SignatureBuilder {
     if (wants(Space::kConformal)) signature_.conformal = std::move(block);
   }
 
+  Result<std::vector<double>> polyhedralLengths() {
+    if (mesh_ != nullptr) return mesh_->edgeLengths();
+    if (intrinsic_->geometry != Geometry::kEuclidean) {
+      signature_.certificate.warnings.push_back(
+          "CHORDAL_METRIC: periods and their errors are those of the polyhedral surface whose "
+          "edges are the chords of these");
+    }
+    return chordLengths(*intrinsic_);
+  }
+
   Status makeMetric() {
     const Context::Stage stage(context_, "metric");
-    ASSIGN_OR_RETURN(MollifiedLengths mollified, mollify(surface(), mesh_.edgeLengths()));
+    ASSIGN_OR_RETURN(std::vector<double> lengths, polyhedralLengths());
+    ASSIGN_OR_RETURN(MollifiedLengths mollified, mollify(surface(), std::move(lengths)));
     exponent_ = lengthExponent(mollified.lengths);
     lengths_ = unitLengths(mollified.lengths);
     signature_.certificate.mollification = mollified.relative_shift;
@@ -212,10 +251,10 @@ class SignatureBuilder {
   /// areas.
   std::vector<double> certifyLayout(const std::vector<std::complex<double>>& corners) {
     const std::vector<double> areas = faceAreas(surface(), lengths_);
-    std::vector<double> canonical(mesh_.faceCount());
+    std::vector<double> canonical(surface().faceCount());
     Index flipped = 0;
     double largest = 1, weighted = 0, total = 0;
-    for (Index f = 0; f < mesh_.faceCount(); ++f) {
+    for (Index f = 0; f < surface().faceCount(); ++f) {
       const std::complex<double> u = corners[3 * f + 1] - corners[3 * f];
       const std::complex<double> w = corners[3 * f + 2] - corners[3 * f];
       const double doubled = std::imag(std::conj(u) * w);
@@ -250,26 +289,26 @@ class SignatureBuilder {
     const Context::Stage stage(context_, "fields");
     RETURN_IF_ERROR(context_.check());
     const std::vector<double> areas = vertexAreas(surface(), lengths_);
-    std::vector<double> image(mesh_.vertexCount(), 0.0);
+    std::vector<double> image(surface().vertexCount(), 0.0);
     double total = 0, image_total = 0;
-    for (Index f = 0; f < mesh_.faceCount(); ++f) {
+    for (Index f = 0; f < surface().faceCount(); ++f) {
       for (const Index v : surface().face(f)) image[v] += canonical[f] / 3;
       image_total += canonical[f];
     }
     for (const double area : areas) total += area;
 
     VertexFields fields;
-    std::vector<double> factor(mesh_.vertexCount(), 0.0);
-    for (Index v = 0; v < mesh_.vertexCount(); ++v) {
+    std::vector<double> factor(surface().vertexCount(), 0.0);
+    for (Index v = 0; v < surface().vertexCount(); ++v) {
       // A vertex whose faces shrink to nothing carries no weight, whatever stands here.
       if (image[v] > 0)
         factor[v] = 0.5 * (std::log(areas[v] / total) - std::log(image[v] / image_total));
     }
     fields.push_back(std::move(factor));
     if (wants(Space::kShape)) {
-      std::vector<double> curvature = integratedMeanCurvature(mesh_);
+      std::vector<double> curvature = integratedMeanCurvature(*mesh_);
       const double scale = std::sqrt(total / (4 * std::numbers::pi));
-      for (Index v = 0; v < mesh_.vertexCount(); ++v) {
+      for (Index v = 0; v < surface().vertexCount(); ++v) {
         curvature[v] = std::ldexp(curvature[v], -exponent_) * (scale / areas[v]);
       }
       fields.push_back(std::move(curvature));
@@ -295,13 +334,15 @@ class SignatureBuilder {
     if (signature_.conformal) {
       vectors.conformal = narrow(conformalCoordinates(*signature_.conformal));
     }
+    if (!wantsFields()) return;
     if (wants(Space::kMetric)) vectors.metric = narrow(metricAmplitudes(metric_));
     if (wants(Space::kShape)) vectors.shape = narrow(shapeAmplitudes(metric_, shape_));
   }
 
   Context& context_;
-  const PreparedMesh& prepared_;
-  const TriangleMesh& mesh_;
+  const Connectivity& surface_;
+  const TriangleMesh* mesh_ = nullptr;           ///< One of the two.
+  const IntrinsicSurface* intrinsic_ = nullptr;  ///< No positions: no metric and shape spaces.
   const SignatureOptions& options_;
   std::vector<double> lengths_;  ///< Per edge, in units of 2^exponent_ model units.
   int exponent_ = 0;
@@ -315,6 +356,11 @@ class SignatureBuilder {
 Result<Signature> computeSignature(Context& context, const PreparedMesh& prepared,
                                    const SignatureOptions& options) {
   return SignatureBuilder(context, prepared, options).build();
+}
+
+Result<Signature> computeIntrinsicSignature(Context& context, const IntrinsicSurface& surface,
+                                            const SignatureOptions& options) {
+  return SignatureBuilder(context, surface, options).build();
 }
 
 }  // namespace moduli

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "core/base/context.h"
+#include "core/intrinsic/intrinsic_surface.h"
 #include "core/mesh/prepare.h"
 #include "core/signature/signature.h"
 
@@ -31,5 +32,16 @@ struct SignatureOptions {
 /// some 50 ms whatever the size. Source: MATH 3 to 5, 8.2 to 8.4.
 Result<Signature> computeSignature(Context& context, const PreparedMesh& prepared,
                                    const SignatureOptions& options = {});
+
+/// Signature of a surface without positions: topology (with the area of its own geometry) and
+/// conformal block. Its metric and shape spaces are left out, and a warning says so. Periods are
+/// those of the polyhedral surface of chords (chordLengths): of the surface itself where it is
+/// Euclidean; elsewhere the warning CHORDAL_METRIC says so, and they tend to the surface's own as
+/// the triangulation is refined.
+///
+/// Fails with kUnsupportedContent (the metric or shape space alone), as chordLengths and, but for
+/// the sphere map, as computeSignature. Costs as that, less the fields.
+Result<Signature> computeIntrinsicSignature(Context& context, const IntrinsicSurface& surface,
+                                            const SignatureOptions& options = {});
 
 }  // namespace moduli

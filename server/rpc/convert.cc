@@ -57,7 +57,7 @@ static_assert(static_cast<int>(ConformalType::kBordered) + 1 == v1::ConformalBlo
 static_assert(static_cast<int>(Space::kConformal) + 1 == v1::Signature::CONFORMAL);
 static_assert(static_cast<int>(Space::kShape) + 1 == v1::Signature::SHAPE);
 static_assert(static_cast<int>(MeshFormat::kObj) + 1 == v1::MeshSource::OBJ);
-static_assert(static_cast<int>(MeshFormat::kStl) + 1 == v1::MeshSource::STL);
+static_assert(static_cast<int>(MeshFormat::kJson) + 1 == v1::MeshSource::JSON);
 
 template <typename Numbers>
 bool sound(const Numbers& numbers) {
@@ -320,7 +320,7 @@ v1::MeshSource::Format toProto(MeshFormat format) {
 }
 
 std::optional<MeshFormat> fromProto(v1::MeshSource::Format format) {
-  if (format < v1::MeshSource::OBJ || format > v1::MeshSource::STL) return {};
+  if (format < v1::MeshSource::OBJ || format > v1::MeshSource::JSON) return {};
   return static_cast<MeshFormat>(static_cast<int>(format) - 1);
 }
 

@@ -36,11 +36,16 @@ v1::ServerInfo serverInfo(const Backend& backend) {
 Result<v1::InspectMeshResponse> inspect(Context& context, const Backend& backend,
                                         const v1::InspectMeshRequest& request) {
   ASSIGN_OR_RETURN(const MeshFile file, loadMesh(context, backend, request.source()));
-  ASSIGN_OR_RETURN(const TriangleSoup soup, parseMesh(context, backend, file));
+  ASSIGN_OR_RETURN(const ParsedSurface parsed, parseSurface(context, backend, file));
   Context::Stage stage(context, "inspect");
+  v1::InspectMeshResponse response;
+  if (const auto* intrinsic = std::get_if<IntrinsicSurface>(&parsed)) {
+    *response.mutable_inspection() = toProto(inspectSurface(*intrinsic), {});
+    return response;
+  }
+  const auto& soup = std::get<TriangleSoup>(parsed);
   ASSIGN_OR_RETURN(const Inspection inspection, inspectSoup(context, soup));
   ASSIGN_OR_RETURN(const std::vector<RepairAction> repair, proposeRepair(context, soup));
-  v1::InspectMeshResponse response;
   *response.mutable_inspection() = toProto(inspection, repair);
   return response;
 }

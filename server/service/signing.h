@@ -3,8 +3,10 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "core/base/context.h"
+#include "core/intrinsic/intrinsic_surface.h"
 #include "core/mesh/format.h"
 #include "core/mesh/prepare.h"
 #include "core/mesh/triangle_soup.h"
@@ -27,8 +29,15 @@ struct MeshFile {
 /// kShapeNotFound and as the store does.
 Result<MeshFile> loadMesh(Context& context, const Backend& backend, const v1::MeshSource& source);
 
-/// Parses a file, within the server's limit of faces.
-Result<TriangleSoup> parseMesh(Context& context, const Backend& backend, const MeshFile& file);
+/// What a file holds: a mesh, or, in a JSON file, an intrinsic triangulation.
+using ParsedSurface = std::variant<TriangleSoup, IntrinsicSurface>;
+
+/// Parses a file, within the server's limit of faces. Fails as readMesh or readIntrinsicJson does.
+Result<ParsedSurface> parseSurface(Context& context, const Backend& backend, const MeshFile& file);
+
+/// Fails with kInvalidOption where `prepare` asks of an intrinsic triangulation what only a mesh
+/// can undergo, and with kComponentNotFound where it names another component than the one there is.
+Status checkIntrinsicPrepare(const PrepareOptions& prepare);
 
 /// Parses, prepares and signs. space: only this one and the work that it needs.
 Result<Signature> signMesh(Context& context, const Backend& backend, const MeshFile& file,

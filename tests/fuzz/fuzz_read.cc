@@ -1,25 +1,16 @@
-#include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <string_view>
 
 #include "core/mesh/read.h"
 #include "core/mesh/write.h"
+#include "tests/fuzz/checks.h"
 
 /// Feeds arbitrary bytes to the reader of one format. Whatever it accepts must be sound, and must
 /// come back unchanged through every encoding that keeps doubles; whatever it refuses must say why,
 /// where and what to do.
 namespace moduli {
 namespace {
-
-void require(bool truth, const char* what) {
-  if (truth) return;
-  std::fprintf(stderr, "violated: %s\n", what);
-  std::abort();
-}
 
 void checkSound(const TriangleSoup& soup, std::size_t input_size) {
   require(!soup.faces.empty(), "an accepted file has faces");
@@ -31,18 +22,6 @@ void checkSound(const TriangleSoup& soup, std::size_t input_size) {
       require(v >= 0 && static_cast<std::size_t>(v) < soup.vertices.size(), "indices are in range");
     }
   }
-}
-
-void checkRefusal(const Status& status) {
-  require(status.reason() != Reason::kInternal, "a refusal is not an internal error");
-  require(status.message().starts_with("input:"), "a refusal names the file");
-  require(status.message().find('\n') == std::string::npos, "a refusal is one line");
-  require(!status.hint().empty(), "a refusal says what to do");
-}
-
-bool sameBits(double a, double b) {
-  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) ||
-         (std::isnan(a) && std::isnan(b));
 }
 
 void checkRoundTrip(const TriangleSoup& soup, MeshFormat format, Encoding encoding) {

@@ -117,7 +117,7 @@ TEST(Cones, FollowARepair) {
 TEST(BoundaryRules, AreAsWantedWhereNoConeIsInTheirWay) {
   const Stage stage(shapes::disk());
   const std::vector<Cone> none;
-  EXPECT_EQ(*stage.rule(Options::BOUNDARY_UNSPECIFIED, none), BoundaryRule::kCircle);
+  EXPECT_EQ(*stage.rule(Options::BOUNDARY_UNSPECIFIED, none), BoundaryRule::kFree);
   EXPECT_EQ(*stage.rule(Options::CIRCLE, none), BoundaryRule::kCircle);
   EXPECT_EQ(*stage.rule(Options::STRAIGHT, none), BoundaryRule::kStraight);
   EXPECT_EQ(*stage.rule(Options::FREE, none), BoundaryRule::kFree);
@@ -127,10 +127,10 @@ TEST(BoundaryRules, AConeOnTheBoundaryWantsItStraight) {
   const Stage stage(shapes::disk());
   EXPECT_EQ(*stage.rule(Options::BOUNDARY_UNSPECIFIED, {{0, kPi / 2}}), BoundaryRule::kStraight);
   EXPECT_EQ(*stage.rule(Options::STRAIGHT, {{0, kPi / 2}}), BoundaryRule::kStraight);
-  const auto circle = stage.rule(Options::CIRCLE, {{0, kPi / 2}});
-  EXPECT_THAT(circle, FailsWith(Reason::kInvalidOption));
-  EXPECT_THAT(circle.status().message(), HasSubstr("vertex 0 is on the boundary"));
-  EXPECT_THAT(stage.rule(Options::FREE, {{0, kPi / 2}}), FailsWith(Reason::kInvalidOption));
+  EXPECT_EQ(*stage.rule(Options::CIRCLE, {{0, kPi / 2}}), BoundaryRule::kCircle);
+  const auto free = stage.rule(Options::FREE, {{0, kPi / 2}});
+  EXPECT_THAT(free, FailsWith(Reason::kInvalidOption));
+  EXPECT_THAT(free.status().message(), HasSubstr("vertex 0 is on the boundary"));
 }
 
 TEST(ParameterizationMessages, WhatIsUnspecifiedHasItsDefault) {
