@@ -38,8 +38,8 @@ void Arguments::add(const std::string& key, std::string value) {
 const std::vector<CommandSpec>& commands() {
   static const std::vector<CommandSpec> all = [] {
     std::vector<CommandSpec> list;
-    for (auto group : {computeCommands, collectionCommands, addCommands, shapeCommands,
-                       searchCommands, sampleCommands, aboutCommands}) {
+    for (auto group : {computeCommands, parameterizeCommands, collectionCommands, addCommands,
+                       shapeCommands, searchCommands, sampleCommands, aboutCommands}) {
       for (CommandSpec& command : group()) list.push_back(std::move(command));
     }
     return list;

@@ -104,7 +104,21 @@ std::string conformalLines(const v1::ConformalBlock& block) {
   return text;
 }
 
-std::string certificateLines(const v1::SignatureCertificate& certificate) {
+std::string joinedLine(const std::string& label, const std::vector<std::string>& parts) {
+  std::string joined;
+  for (const std::string& part : parts) joined += (joined.empty() ? "" : ", ") + part;
+  return joined.empty() ? "" : line(label, joined);
+}
+
+std::string warningLines(const google::protobuf::RepeatedPtrField<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += line("warning", safe(warning));
+  return text;
+}
+
+// Of any certificate: the fields have the same names in all of them.
+template <typename Certificate>
+std::vector<std::string> mapParts(const Certificate& certificate) {
   std::vector<std::string> parts;
   if (certificate.has_flipped_faces()) {
     parts.push_back(counted(certificate.flipped_faces(), "flipped face", "flipped faces"));
@@ -115,20 +129,50 @@ std::string certificateLines(const v1::SignatureCertificate& certificate) {
   if (certificate.has_max_dilatation()) {
     parts.push_back(brief(certificate.max_dilatation()) + " at most");
   }
-  if (certificate.has_riemann_bilinear_residual()) {
-    parts.push_back("bilinear residual " + brief(certificate.riemann_bilinear_residual()));
-  }
   if (certificate.has_layout_closure()) {
     parts.push_back("layout closes to " + brief(certificate.layout_closure()));
   }
   if (certificate.has_mollification() && certificate.mollification() > 0) {
     parts.push_back("edges lengthened by " + brief(certificate.mollification()) + " of their mean");
   }
-  std::string joined;
-  for (const std::string& part : parts) joined += (joined.empty() ? "" : ", ") + part;
-  std::string text = joined.empty() ? "" : line("quality", joined);
-  for (const std::string& warning : certificate.warnings()) text += line("warning", safe(warning));
-  return text;
+  return parts;
+}
+
+std::string certificateLines(const v1::SignatureCertificate& certificate) {
+  std::vector<std::string> parts = mapParts(certificate);
+  if (certificate.has_riemann_bilinear_residual()) {
+    parts.push_back("bilinear residual " + brief(certificate.riemann_bilinear_residual()));
+  }
+  return joinedLine("quality", parts) + warningLines(certificate.warnings());
+}
+
+std::string metricLine(const v1::ParameterizationCertificate& certificate) {
+  std::vector<std::string> parts;
+  if (certificate.has_curvature_residual()) {
+    parts.push_back("curvatures as wanted up to " + brief(certificate.curvature_residual()));
+  }
+  if (certificate.has_gauss_bonnet_residual()) {
+    parts.push_back("their sum up to " + brief(certificate.gauss_bonnet_residual()));
+  }
+  if (certificate.has_newton_iterations()) {
+    parts.push_back(counted(certificate.newton_iterations(), "iteration", "iterations"));
+  }
+  if (certificate.has_flips()) {
+    parts.push_back(counted(certificate.flips(), "flipped edge", "flipped edges"));
+  }
+  if (certificate.has_smallest_angle()) {
+    parts.push_back("smallest angle " + brief(certificate.smallest_angle()));
+  }
+  if (certificate.has_clamped_fraction()) {
+    parts.push_back(brief(certificate.clamped_fraction()) + " of the edges clamped");
+  }
+  return joinedLine("metric", parts);
+}
+
+std::string timeLine(const google::protobuf::Map<std::string, double>& timing) {
+  double seconds = 0;
+  for (const auto& [stage, time] : timing) seconds += time;
+  return seconds > 0 ? line("time", brief(seconds) + " s") : "";
 }
 
 }  // namespace
@@ -162,10 +206,15 @@ std::string signatureReport(const std::string& title, const v1::Signature& signa
     text += line("cross", spectrumText(signature.shape().cross_spectrum()));
   }
   text += certificateLines(signature.certificate());
-  double seconds = 0;
-  for (const auto& [stage, time] : signature.timing()) seconds += time;
-  if (seconds > 0) text += line("time", brief(seconds) + " s");
-  return text;
+  return text + timeLine(signature.timing());
+}
+
+std::string parameterizationReport(const std::string& title, const v1::Parameterization& result) {
+  const v1::ParameterizationCertificate& certificate = result.certificate();
+  return safe(title) + "\n" +
+         line("target", v1::ParameterizationOptions::Target_Name(result.target())) +
+         metricLine(certificate) + joinedLine("quality", mapParts(certificate)) +
+         warningLines(certificate.warnings()) + timeLine(result.timing());
 }
 
 std::string distancesReport(const v1::SignatureDistances& distances) {

@@ -4,6 +4,7 @@
 
 #include "moduli/v1/catalog.pb.h"
 #include "moduli/v1/mesh.pb.h"
+#include "moduli/v1/parameterization.pb.h"
 #include "moduli/v1/signature.pb.h"
 
 /// Results as text for people.
@@ -12,6 +13,7 @@ namespace moduli::cli {
 /// title: the mesh's name.
 std::string inspectionReport(const std::string& title, const v1::Inspection& inspection);
 std::string signatureReport(const std::string& title, const v1::Signature& signature);
+std::string parameterizationReport(const std::string& title, const v1::Parameterization& result);
 std::string distancesReport(const v1::SignatureDistances& distances);
 std::string shapeReport(const v1::Shape& shape);
 std::string searchReport(const v1::SearchResult& result);

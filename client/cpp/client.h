@@ -10,6 +10,7 @@
 #include "client/cpp/ingest.h"
 #include "client/cpp/mesh_bytes.h"
 #include "client/cpp/paging.h"
+#include "client/cpp/parameterized_mesh.h"
 #include "client/cpp/retry.h"
 #include "core/base/status.h"
 #include "moduli/v1/catalog.pb.h"
@@ -64,6 +65,8 @@ class Client {
   Result<v1::Inspection> inspect(const v1::InspectMeshRequest& request);
   Result<v1::Signature> computeSignature(const v1::ComputeSignatureRequest& request);
   Result<v1::SignatureDistances> compareSignatures(const v1::CompareSignaturesRequest& request);
+  /// Fails with kInternal where the arrays that arrive are broken (see ArrayAssembler).
+  Result<ParameterizedMesh> parameterize(const v1::ParameterizeRequest& request);
 
   /// Collections and shapes go by resource name: collections/C and collections/C/shapes/S.
   Result<v1::Collection> createCollection(const std::string& id);

@@ -16,7 +16,7 @@ namespace moduli {
 
 struct FlatOptions {
   std::vector<Cone> cones;  ///< All other interior vertices are flat.
-  BoundaryRule boundary = BoundaryRule::kCircle;
+  BoundaryRule boundary = BoundaryRule::kFree;
   Scheme scheme = Scheme::kVertexScaling;
   RicciSolver solver = RicciSolver::kNewton;
   bool initial_delaunay = true;  ///< Isometric Delaunay flips first (vertex scaling only).

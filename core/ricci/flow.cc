@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/base/text.h"
-#include "core/linalg/spd_solver.h"
+#include "core/ricci/newton_system.h"
 
 namespace moduli {
 namespace {
@@ -53,15 +52,24 @@ class Flow {
   }
 
  private:
-  /// target - K, in the Euclidean plane less its mean.
+  /// target - K: less its mean where the model is free of scale, 0 where u is fixed.
   Eigen::VectorXd missing() const {
     Eigen::VectorXd rest = target_ - model_.curvature();
-    if (model_.geometry() == Geometry::kEuclidean) rest.array() -= rest.mean();
+    if (scaleFree()) rest.array() -= rest.mean();
+    for (std::size_t n = 0; n < options_.fixed.size(); ++n) {
+      if (options_.fixed[n]) rest[static_cast<Eigen::Index>(n)] = 0;
+    }
     return rest;
+  }
+
+  bool scaleFree() const {
+    return model_.scaleFree() && model_.size() > 0 &&
+           std::find(options_.fixed.begin(), options_.fixed.end(), true) == options_.fixed.end();
   }
 
   /// The model is at result_.u.
   void arrive(Eigen::VectorXd rest, double time) {
+    model_.accept();
     rest_ = std::move(rest);
     result_.residual = rest_.size() == 0 ? 0 : rest_.cwiseAbs().maxCoeff();
     result_.history.push_back({time, result_.residual});
@@ -85,7 +93,7 @@ class Flow {
     if (options_.steps == FlowSteps::kSemiImplicit) {
       ASSIGN_OR_RETURN(change, implicitChange(dt));
     }
-    if (model_.geometry() == Geometry::kEuclidean) change.array() -= change.mean();
+    if (scaleFree()) change.array() -= change.mean();
     const Eigen::VectorXd there = result_.u + change;
     const Status moved = model_.moveTo(context_, there);
     if (!moved.ok() && moved.reason() != Reason::kNoConvergence) return moved;
@@ -116,14 +124,7 @@ class Flow {
   Result<Eigen::VectorXd> implicitChange(double dt) {
     SparseMatrix matrix = hessian_;
     for (Eigen::Index k = 0; k < matrix.outerSize(); ++k) matrix.coeffRef(k, k) += 1 / dt;
-    if (solver_ && solver_pattern_ == pattern_) {
-      RETURN_IF_ERROR(solver_->refactorize(context_, matrix));
-    } else {
-      ASSIGN_OR_RETURN(solver_, SpdSolver::make(context_, matrix));
-      solver_pattern_ = pattern_;
-    }
-    ASSIGN_OR_RETURN(const Eigen::MatrixXd change, solver_->solve(context_, rest_));
-    return Eigen::VectorXd(change);
+    return system_.direction(context_, matrix, pattern_, false, options_.fixed, -rest_);
   }
 
   Status stalled(const std::string& where) const {
@@ -145,8 +146,7 @@ class Flow {
   double unit_step_ = 1;    ///< The stable explicit step at result_.u.
   double reach_ = 1;        ///< The next step, in units of unit_step_.
   bool shortened_ = false;  ///< The last attempt was too long.
-  std::optional<SpdSolver> solver_;
-  int solver_pattern_ = 0;
+  NewtonSystem system_;
 };
 
 }  // namespace

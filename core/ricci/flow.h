@@ -27,7 +27,9 @@ enum class FlowSteps : std::uint8_t {
 struct FlowOptions {
   FlowSteps steps = FlowSteps::kSemiImplicit;
   double tolerance = 1e-11;  ///< Of the residual, radians; above 0. Rounding leaves some 1e-14.
-  int max_steps = 10000;     ///< At least 0; steps taken back because they were too long count.
+  /// Per unknown: keep u as it is at the start, and ask for no curvature. Empty: none.
+  std::vector<bool> fixed = {};
+  int max_steps = 10000;  ///< At least 0; steps taken back because they were too long count.
 };
 
 /// Where the flow was after a step.

@@ -106,13 +106,14 @@ Status PrescribedCurvature::fitScale(Context& context, const Eigen::VectorXd& ta
   return {};
 }
 
-Result<RicciSolution> PrescribedCurvature::search(Context& context, const Eigen::VectorXd& target) {
+Result<RicciSolution> PrescribedCurvature::search(Context& context, const Eigen::VectorXd& target,
+                                                  const NewtonOptions& options) {
   if (options_.solver == RicciSolver::kNewton) {
-    NewtonOptions options;
-    options.fixed = options_.fixed;
     return solveCurvature(context, *model_, target, u_, options);
   }
-  ASSIGN_OR_RETURN(const FlowResult flow, ricciFlow(context, *model_, target, u_, FlowOptions()));
+  FlowOptions flow_options;
+  flow_options.fixed = options.fixed;
+  ASSIGN_OR_RETURN(const FlowResult flow, ricciFlow(context, *model_, target, u_, flow_options));
   RicciSolution solution;
   solution.u = flow.u;
   for (const FlowPoint& point : flow.history) solution.residuals.push_back(point.residual);
@@ -121,12 +122,27 @@ Result<RicciSolution> PrescribedCurvature::search(Context& context, const Eigen:
 
 Result<DiscreteMetric> PrescribedCurvature::solve(Context& context,
                                                   const std::vector<double>& target) {
+  return find(context, target, NewtonOptions());
+}
+
+Result<DiscreteMetric> PrescribedCurvature::approach(Context& context,
+                                                     const std::vector<double>& target,
+                                                     double tolerance) {
+  NewtonOptions options;
+  options.tolerance = options.acceptable = tolerance;
+  return find(context, target, options);
+}
+
+Result<DiscreteMetric> PrescribedCurvature::find(Context& context,
+                                                 const std::vector<double>& target,
+                                                 NewtonOptions options) {
+  options.fixed = options_.fixed;
   const Eigen::VectorXd wanted = perUnknown(target);
   if (options_.geometry == Geometry::kHyperbolic && !scaled_) {
     RETURN_IF_ERROR(fitScale(context, wanted));
     scaled_ = true;
   }
-  ASSIGN_OR_RETURN(const RicciSolution solution, search(context, wanted));
+  ASSIGN_OR_RETURN(const RicciSolution solution, search(context, wanted, options));
   u_ = solution.u;
   DiscreteMetric metric{options_.geometry,
                         model_->triangulation(),

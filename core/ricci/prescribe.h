@@ -48,8 +48,15 @@ class PrescribedCurvature {
   /// surfaces.
   Result<DiscreteMetric> solve(Context& context, const std::vector<double>& target);
 
+  /// Only to a residual of `tolerance`: a step on the way to a target that still moves.
+  Result<DiscreteMetric> approach(Context& context, const std::vector<double>& target,
+                                  double tolerance);
+
  private:
-  Result<RicciSolution> search(Context& context, const Eigen::VectorXd& target);
+  Result<DiscreteMetric> find(Context& context, const std::vector<double>& target,
+                              NewtonOptions options);
+  Result<RicciSolution> search(Context& context, const Eigen::VectorXd& target,
+                               const NewtonOptions& options);
   Eigen::VectorXd perUnknown(const std::vector<double>& target) const;
   Status fitScale(Context& context, const Eigen::VectorXd& target);
 

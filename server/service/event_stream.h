@@ -20,6 +20,9 @@ class EventStream final : public grpc::ServerWriteReactor<Response>, public Call
  public:
   using Self = std::shared_ptr<EventStream>;
   using Work = std::function<Result<Response>(Context&)>;
+  /// Hands out one result a call, and nothing after the last. Costs no more than a copy.
+  using Parts = std::function<std::optional<Response>()>;
+  using PartsWork = std::function<Result<Parts>(Context&)>;
 
   /// A stream of Progress and one result, computed by `work`, which owns what it uses.
   static grpc::ServerWriteReactor<Response>* answer(Backend& backend,
@@ -28,7 +31,27 @@ class EventStream final : public grpc::ServerWriteReactor<Response>, public Call
                                                     Work work) {
     return open(backend, rpc, kind, refusal, [work = std::move(work)](const Self& self) {
       self->progress({"queued", 0});
-      return self->backend_.compute.submit([self, work] { self->compute(work); });
+      return self->backend_.compute.submit([self, work] {
+        auto result = self->template compute<Response>(work);
+        if (result.ok()) self->send(*std::move(result));
+        self->end(result.status());
+      });
+    });
+  }
+
+  /// A stream of Progress and a result in parts, computed by `work`. The computing thread is free
+  /// when the parts are there: however slow the reader, they are sent as it takes them.
+  static grpc::ServerWriteReactor<Response>* answerInParts(Backend& backend,
+                                                           const grpc::CallbackServerContext& rpc,
+                                                           const CallKind& kind,
+                                                           const Refusal& refusal, PartsWork work) {
+    return open(backend, rpc, kind, refusal, [work = std::move(work)](const Self& self) {
+      self->progress({"queued", 0});
+      return self->backend_.compute.submit([self, work] {
+        auto parts = self->template compute<Parts>(work);
+        if (!parts.ok()) return self->end(parts.status());
+        sendParts(self, *std::move(parts));
+      });
     });
   }
 
@@ -74,18 +97,25 @@ class EventStream final : public grpc::ServerWriteReactor<Response>, public Call
   }
 
  private:
-  void compute(const Work& work) {
+  template <typename Value>
+  Result<Value> compute(const std::function<Result<Value>(Context&)>& work) {
     Context context = makeContext();
     ProgressThrottle throttle;
     context.setProgressSink([this, &throttle](const Progress& progress_now) {
       if (throttle.due(progress_now)) progress(progress_now);
     });
-    auto result = guarded([&]() -> Result<Response> {
+    return guarded([&]() -> Result<Value> {
       RETURN_IF_ERROR(context.check());
       return work(context);
     });
-    if (result.ok()) send(*std::move(result));
-    end(result.status());
+  }
+
+  static void sendParts(const Self& self, const Parts& parts) {
+    Result<std::optional<Response>> part =
+        guarded([&]() -> Result<std::optional<Response>> { return parts(); });
+    if (!part.ok()) return self->end(part.status());
+    if (!*part) return self->end({});
+    self->send(**std::move(part), [self, parts] { sendParts(self, parts); });
   }
 
   void progress(const Progress& progress_now) {

@@ -8,6 +8,7 @@
 #include "moduli/v1/geometry_service.grpc.pb.h"
 #include "server/rpc/convert.h"
 #include "server/service/event_stream.h"
+#include "server/service/parameterizing.h"
 #include "server/service/request.h"
 #include "server/service/services.h"
 #include "server/service/signing.h"
@@ -94,6 +95,13 @@ Result<v1::CompareSignaturesResponse> compare(Context& context, const Backend& b
   return response;
 }
 
+Result<EventStream<v1::ParameterizeResponse>::Parts> parameterize(
+    Context& context, const Backend& backend, const v1::ParameterizeRequest& request) {
+  ASSIGN_OR_RETURN(ParameterizedSurface surface, parameterizeMesh(context, backend, request));
+  return parameterizationParts(std::make_shared<const ParameterizedSurface>(std::move(surface)),
+                               request.omit_arrays());
+}
+
 v1::QueryUploadResponse uploadState(const UploadState& state) {
   v1::QueryUploadResponse response;
   response.set_committed_size(state.committed_size);
@@ -155,6 +163,18 @@ class GeometryService final : public v1::GeometryService::CallbackService {
                 checkPrepare(request->prepare(), "prepare")),
         [this, kept = std::make_shared<v1::CompareSignaturesRequest>(*request)](Context& context) {
           return compare(context, backend_, *kept);
+        });
+  }
+
+  grpc::ServerWriteReactor<v1::ParameterizeResponse>* Parameterize(
+      Rpc* rpc, const v1::ParameterizeRequest* request) override {
+    return EventStream<v1::ParameterizeResponse>::answerInParts(
+        backend_, *rpc, {"Parameterize"},
+        firstOf(checkSource(request->source(), "source"),
+                checkPrepare(request->prepare(), "prepare"),
+                checkParameterization(request->options(), "options")),
+        [this, kept = std::make_shared<v1::ParameterizeRequest>(*request)](Context& context) {
+          return parameterize(context, backend_, *kept);
         });
   }
 

@@ -15,6 +15,33 @@ Refusal refuse(const Status& status, const std::string& field) {
   return status.ok() ? Refusal{} : Refusal{status, field};
 }
 
+Refusal checkChoice(bool known, const std::string& name, int value, const std::string& field) {
+  if (known) return {};
+  return {{Reason::kInvalidOption, name + " " + std::to_string(value) + " is none of ours",
+           "give one that parameterization.proto lists"},
+          field + "." + name};
+}
+
+Refusal checkCones(const v1::ParameterizationOptions& options, const std::string& field) {
+  for (int i = 0; i < options.cones_size(); ++i) {
+    const std::string cone = field + ".cones[" + std::to_string(i) + "]";
+    if (options.cones(i).vertex() < 0) {
+      return {
+          {Reason::kInvalidOption, "a cone at vertex " + std::to_string(options.cones(i).vertex()),
+           "vertices are counted from 0 in the file's order"},
+          cone + ".vertex"};
+    }
+    if (!std::isfinite(options.cones(i).curvature())) {
+      return {{Reason::kInvalidOption,
+               "a cone at vertex " + std::to_string(options.cones(i).vertex()) +
+                   " whose curvature is not finite",
+               "give radians below 2 pi"},
+              cone + ".curvature"};
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::string> parseCollectionName(std::string_view name) {
@@ -101,6 +128,22 @@ Refusal checkSpace(v1::Signature::Space space, const std::string& field) {
   return {{Reason::kInvalidOption, "space " + std::to_string(space) + " is none of ours",
            "give CONFORMAL, METRIC or SHAPE"},
           field};
+}
+
+Refusal checkParameterization(const v1::ParameterizationOptions& options,
+                              const std::string& field) {
+  using Options = v1::ParameterizationOptions;
+  if (options.target() == Options::TARGET_UNSPECIFIED) {
+    return {{Reason::kInvalidRequest, "no target is given", "set target to FLAT"},
+            field + ".target"};
+  }
+  return firstOf(
+      checkChoice(Options::Target_IsValid(options.target()), "target", options.target(), field),
+      checkChoice(Options::Boundary_IsValid(options.boundary()), "boundary", options.boundary(),
+                  field),
+      checkChoice(Options::Scheme_IsValid(options.scheme()), "scheme", options.scheme(), field),
+      checkChoice(Options::Solver_IsValid(options.solver()), "solver", options.solver(), field),
+      checkCones(options, field));
 }
 
 }  // namespace moduli

@@ -5,6 +5,7 @@
 
 #include "core/base/status.h"
 #include "moduli/v1/mesh.pb.h"
+#include "moduli/v1/parameterization.pb.h"
 #include "moduli/v1/signature.pb.h"
 #include "server/service/call.h"
 
@@ -34,6 +35,8 @@ Refusal checkDigest(std::string_view digest, const std::string& field);
 Refusal checkSource(const v1::MeshSource& source, const std::string& field);
 Refusal checkPrepare(const v1::PrepareOptions& options, const std::string& field);
 Refusal checkSpace(v1::Signature::Space space, const std::string& field);
+/// There is a target, every choice is known, and cones have sound numbers.
+Refusal checkParameterization(const v1::ParameterizationOptions& options, const std::string& field);
 
 /// The first of them that is a refusal.
 template <typename... Refusals>

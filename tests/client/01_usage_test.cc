@@ -23,6 +23,17 @@ TEST_F(Usage, EveryWrongWordExitsTwoWithOneLineAndNoOutput) {
       {"signature", "a", "--format", "gif"},
       {"distance", "a"},
       {"distance", "-", "-"},
+      {"parameterize", "--to", "flat"},
+      {"parameterize", "a"},
+      {"parameterize", "a", "b", "--to", "flat"},
+      {"parameterize", "a", "--to", "flat", "-o", "a.ply"},
+      {"parameterize", "a", "--to", "flat", "-o", "obj"},
+      {"parameterize", "a", "--to", "flat", "-o", "-"},
+      {"parameterize", "a", "--to", "flat", "--scheme", "squeeze"},
+      {"parameterize", "a", "--to", "flat", "--solver", "NEWTON"},
+      {"parameterize", "a", "--to", "flat", "--initial-delaunay", "maybe"},
+      {"parameterize", "a", "--to", "flat", "--boundary", ""},
+      {"parameterize", "a", "--to", "flat", "--cones"},
       {"collection"},
       {"collection", "frobnicate"},
       {"collection", "create"},
@@ -48,7 +59,8 @@ TEST_F(Usage, EveryWrongWordExitsTwoWithOneLineAndNoOutput) {
       {"man", "frobnicate"},
       // Abilities that this build does not have are no words of it.
       {"signature", "a", "--initial-delaunay", "on"},
-      {"parameterize", "a"}};
+      {"parameterize", "a", "--to", "sphere"},
+      {"parameterize", "a", "--to", "flat", "--picture", "a.png"}};
   for (const auto& words : wrong) {
     SCOPED_TRACE(testing::PrintToString(words));
     EXPECT_THAT(run(words), IsUsageError());
@@ -60,6 +72,7 @@ TEST_F(Usage, EveryCommandHasHelpAndAManualPage) {
                                                           {"inspect"},
                                                           {"signature"},
                                                           {"distance"},
+                                                          {"parameterize"},
                                                           {"collection"},
                                                           {"collection", "create"},
                                                           {"add"},

@@ -33,15 +33,29 @@ class FakeGeometry final : public v1::GeometryService::Service {
   grpc::Status ComputeSignature(grpc::ServerContext* context, const v1::ComputeSignatureRequest*,
                                 grpc::ServerWriter<v1::ComputeSignatureResponse>* writer) override {
     const std::size_t call = enter(*context);
-    while (state_.script.hang && !context->IsCancelled()) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+    waitWhileHanging(*context);
     if (call < state_.script.refusals.size()) return toGrpcStatus(state_.script.refusals[call]);
     v1::ComputeSignatureResponse response;
     response.mutable_progress()->set_stage("factorize");
     writer->Write(response);
     response.mutable_signature()->set_descriptor_version(7);
     writer->Write(response);
+    return grpc::Status::OK;
+  }
+
+  grpc::Status Parameterize(grpc::ServerContext* context, const v1::ParameterizeRequest*,
+                            grpc::ServerWriter<v1::ParameterizeResponse>* writer) override {
+    bool first = false;
+    {
+      const std::lock_guard lock(state_.mutex);
+      first = state_.record.parameterize_calls++ == 0;
+    }
+    waitWhileHanging(*context);
+    std::size_t sent = 0;
+    for (const v1::ParameterizeResponse& response : state_.script.parameterization) {
+      if (!writer->Write(response)) break;
+      if (++sent == state_.script.break_parameterize_after && first) return kBroken;
+    }
     return grpc::Status::OK;
   }
 
@@ -79,6 +93,12 @@ class FakeGeometry final : public v1::GeometryService::Service {
   }
 
  private:
+  void waitWhileHanging(const grpc::ServerContext& context) const {
+    while (state_.script.hang && !context.IsCancelled()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+
   // Counts the call and notes its token; the number of calls before it.
   std::size_t enter(const grpc::ServerContext& context) {
     const std::lock_guard lock(state_.mutex);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/status.h"
+#include "moduli/v1/geometry_service.pb.h"
 
 /// A gRPC server that does as a script says, for what a true server does only when it has bad luck.
 namespace moduli {
@@ -14,14 +15,17 @@ namespace moduli {
 struct FakeScript {
   bool knows_nothing = false;            ///< Has none of our services.
   std::vector<Status> refusals = {};     ///< Answers of ComputeSignature before the first success.
-  bool hang = false;                     ///< ComputeSignature waits until it is cancelled.
+  bool hang = false;                     ///< Computing calls wait until they are cancelled.
   std::uint64_t break_upload_after = 0;  ///< Bytes after which the first upload breaks; 0: never.
   int break_ingest_after = 0;            ///< Items after which the first ingest breaks; 0: never.
+  std::vector<v1::ParameterizeResponse> parameterization = {};  ///< What Parameterize sends.
+  std::size_t break_parameterize_after = 0;  ///< Messages after which its first call breaks.
 };
 
 /// What has arrived.
 struct FakeRecord {
   int signature_calls = 0;
+  int parameterize_calls = 0;
   std::string token;
   std::string uploaded;
   std::uint64_t upload_bytes_sent = 0;

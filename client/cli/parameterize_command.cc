@@ -1,0 +1,198 @@
+#include <cctype>
+#include <optional>
+
+#include "client/cli/command.h"
+#include "client/cli/file_writer.h"
+#include "client/cli/mesh_argument.h"
+#include "client/cli/prepare_arguments.h"
+#include "client/cli/report.h"
+#include "client/cli/session.h"
+#include "client/cli/side_file.h"
+#include "client/cli/textured_obj.h"
+
+/// parameterize.
+namespace moduli::cli {
+namespace {
+
+using Options = v1::ParameterizationOptions;
+
+// "vertex-scaling" of VERTEX_SCALING: how enum values are spelled on the command line.
+std::string spelled(std::string name) {
+  for (char& c : name) c = c == '_' ? '-' : static_cast<char>(std::tolower(c));
+  return name;
+}
+
+// The enum value that is spelled so; its zero for "" and for a word that names none.
+template <typename Enum>
+Enum valueOf(const std::string& word, bool (*parse)(google::protobuf::ConstStringParam, Enum*)) {
+  std::string name = word;
+  for (char& c : name) c = c == '-' ? '_' : static_cast<char>(std::toupper(c));
+  Enum value{};
+  return word == spelled(name) && parse(name, &value) ? value : Enum{};
+}
+
+Options::Boundary boundaryOf(const Arguments& arguments) {
+  return valueOf(arguments.text("boundary"), Options::Boundary_Parse);
+}
+
+Status readInto(const std::string& path, const std::string& hint, std::vector<ConeLine>& cones) {
+  const Result<std::vector<ConeLine>> lines = readCones(path);
+  if (!lines.ok()) {
+    const Status status = lines.status();
+    if (status.reason() != Reason::kFileNotFound) return status;
+    return {status.reason(), status.message(), hint};
+  }
+  cones.insert(cones.end(), lines->begin(), lines->end());
+  return {};
+}
+
+// The options of a request, with the side files read. A file of the boundary's curvatures is more
+// cones, on a boundary that is straight elsewhere.
+Result<Options> optionsOf(const Arguments& arguments) {
+  Options options;
+  options.set_target(valueOf(arguments.text("to"), Options::Target_Parse));
+  options.set_scheme(valueOf(arguments.text("scheme"), Options::Scheme_Parse));
+  options.set_solver(valueOf(arguments.text("solver"), Options::Solver_Parse));
+  options.set_boundary(boundaryOf(arguments));
+  if (arguments.has("initial-delaunay")) {
+    options.set_initial_delaunay(arguments.text("initial-delaunay") == "on");
+  }
+  std::vector<ConeLine> cones;
+  if (arguments.has("cones")) {
+    RETURN_IF_ERROR(readInto(arguments.text("cones"), "check the path given to --cones", cones));
+  }
+  if (arguments.has("boundary") && options.boundary() == Options::BOUNDARY_UNSPECIFIED) {
+    options.set_boundary(Options::STRAIGHT);
+    RETURN_IF_ERROR(readInto(arguments.text("boundary"),
+                             "--boundary takes straight, circle, free or a file", cones));
+  }
+  RETURN_IF_ERROR(checkDistinct(cones));
+  for (const ConeLine& line : cones) {
+    v1::Cone& cone = *options.add_cones();
+    cone.set_vertex(line.vertex);
+    cone.set_curvature(line.curvature);
+  }
+  return options;
+}
+
+Status writeResult(FileWriter& writer, const ParameterizedMesh& mesh) {
+  RETURN_IF_ERROR(
+      writeTexturedObj(mesh, [&](std::string_view text) { return writer.write(text); }));
+  return writer.commit();
+}
+
+std::string writtenLine(const std::string& path, const ParameterizedMesh& mesh) {
+  const auto count = [](std::size_t numbers, std::size_t columns) {
+    return static_cast<long long>(numbers / columns);
+  };
+  return safe(path) + ": " + counted(count(mesh.positions.size(), 3), "vertex", "vertices") + ", " +
+         counted(count(mesh.faces.size(), 3), "face", "faces") + ", " +
+         counted(count(mesh.points.size(), 2), "texture point", "texture points") + "\n";
+}
+
+Status runParameterize(Session& session, const Arguments& arguments) {
+  v1::ParameterizeRequest request;
+  ASSIGN_OR_RETURN(*request.mutable_options(), optionsOf(arguments));
+  *request.mutable_prepare() = prepareOf(arguments);
+  request.set_omit_arrays(!arguments.has("output"));
+  ASSIGN_OR_RETURN(const MeshArgument mesh,
+                   MeshArgument::open(session, arguments.text("MESH"), arguments.text("format")));
+  const std::string output = arguments.text("output");
+  FileWriter writer(output, true);
+  // Now, so that a place where nothing can be written is told before the work.
+  if (!request.omit_arrays()) RETURN_IF_ERROR(writer.open());
+  ASSIGN_OR_RETURN(Client* const client, session.client(mesh.need()));
+  Result<v1::MeshSource> source = mesh.source(*client);
+  if (!source.ok()) return session.explain(mesh.name(), source.status());
+  *request.mutable_source() = *std::move(source);
+  const Result<ParameterizedMesh> result = client->parameterize(request);
+  if (!result.ok()) return session.explain(mesh.name(), result.status());
+  if (!request.omit_arrays()) RETURN_IF_ERROR(writeResult(writer, *result));
+  if (session.json()) return session.printJson(result->result);
+  if (session.quiet()) return {};
+  const std::string written = request.omit_arrays() ? "" : writtenLine(output, *result);
+  return session.print(parameterizationReport(mesh.name(), result->result) + written);
+}
+
+std::optional<std::string> checkParameterize(const Arguments& arguments) {
+  if (arguments.has("boundary") && arguments.text("boundary").empty()) {
+    return "--boundary takes straight, circle, free or a file";
+  }
+  if (!arguments.has("output")) return std::nullopt;
+  const std::string output = arguments.text("output");
+  const std::size_t dot = output.rfind('.');
+  const std::string extension = dot == std::string::npos ? "" : spelled(output.substr(dot));
+  if (extension == ".obj") return std::nullopt;
+  return "the result is written as OBJ, which holds the map as texture points: --output must end "
+         "in .obj, not '" +
+         output + "'";
+}
+
+std::vector<OptionSpec> parameterizeOptions() {
+  std::vector<OptionSpec> options = {
+      {.names = "--to",
+       .value = "TARGET",
+       .help = "Where to",
+       .choices = {"flat"},
+       .required = true},
+      {.names = "-o,--output",
+       .value = "OUT.obj",
+       .help = "Write the surface with its map; without it the certificate is printed alone",
+       .completion = Completion::kFile},
+      {.names = "--cones",
+       .value = "FILE",
+       .help = "Lines 'vertex curvature' (radians): where the plane has cones",
+       .completion = Completion::kFile},
+      {.names = "--boundary",
+       .value = "RULE|FILE",
+       .help = "What the boundary becomes: 'circle' (every loop turns evenly), 'straight' "
+               "(curvature 0 where no cone stands), 'free' (keeps its lengths), or a file of lines "
+               "'vertex curvature' and straight elsewhere. Default: circle, or straight where "
+               "cones stand on it",
+       .completion = Completion::kFile},
+      {.names = "--scheme",
+       .value = "SCHEME",
+       .help = "How lengths change (vertex-scaling)",
+       .choices = {"vertex-scaling", "thurston", "tangential", "inversive-distance"}},
+      {.names = "--solver",
+       .value = "SOLVER",
+       .help = "How the metric is found (newton)",
+       .choices = {"newton", "flow"}},
+      {.names = "--initial-delaunay",
+       .value = "on|off",
+       .help = "Vertex scaling: flip to a Delaunay triangulation first (on)",
+       .choices = {"on", "off"}}};
+  for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
+  options.push_back(formatOption());
+  return options;
+}
+
+}  // namespace
+
+std::vector<CommandSpec> parameterizeCommands() {
+  return {
+      {.path = "parameterize",
+       .summary = "Map a surface to the plane, keeping angles",
+       .details =
+           "Finds the metric that has the same angles, as far as a discrete one can, and is flat "
+           "but for the cones that --cones names, cuts the surface open through them, and lays it "
+           "out in the plane, at the area of the surface. On a closed surface the curvatures of "
+           "the cones must sum to 2 pi times its Euler characteristic: 4 pi on a sphere; a torus "
+           "needs none. OUT.obj keeps the vertices, the faces (polygons as fans) and the order of "
+           "their corners, and has a texture point for each corner. Faces of other components, and "
+           "what --repair drops, are written without. The certificate tells how near the metric is "
+           "to what was asked for, and how far the map is from keeping angles.",
+       .arguments = {{.name = "MESH",
+                      .help =
+                          "A file, '-' for standard input, or COLLECTION/SHAPE of the store; an "
+                          "existing file wins, store:COLLECTION/SHAPE names the store in any "
+                          "case"}},
+       .options = parameterizeOptions(),
+       .check = checkParameterize,
+       .run = runParameterize,
+       .examples = "moduli parameterize torus.ply --to flat -o flat.obj\n"
+                   "moduli parameterize bunny.obj --to flat --cones cones.txt -o bunny-uv.obj\n"
+                   "moduli parameterize face.obj --to flat --boundary free --json"}};
+}
+
+}  // namespace moduli::cli

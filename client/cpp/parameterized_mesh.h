@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/base/status.h"
+#include "moduli/v1/parameterization.pb.h"
+
+namespace moduli {
+
+/// A surface with its map to the plane. The arrays are empty where the request omitted them.
+struct ParameterizedMesh {
+  v1::Parameterization result;
+  std::vector<double> positions;      ///< x y z of every vertex.
+  std::vector<std::int32_t> faces;    ///< Three vertices of every face, counted from 0.
+  std::vector<double> points;         ///< u v of every point of the plane.
+  std::vector<std::int32_t> corners;  ///< Three points of every face; -1 where it is not mapped.
+};
+
+/// Puts the arrays of a parameterization together from their chunks. Trusts no server: shapes,
+/// offsets, sizes and indices are judged, and memory is taken for what has arrived, not for what is
+/// promised. Not thread-safe.
+class ArrayAssembler {
+ public:
+  /// Fails with kInternal, naming the array, on a chunk that does not fit those before it.
+  Status take(const v1::ArrayChunk& chunk);
+
+  /// The arrays, without their result. Fails with kInternal where one is missing or incomplete,
+  /// where the shapes do not fit each other, on an index out of range, a face that is mapped in
+  /// part, and a point that is not finite.
+  Result<ParameterizedMesh> finish();
+
+ private:
+  /// How far an array is.
+  struct State {
+    std::int32_t rows = -1;  ///< -1: nothing has come yet.
+    std::uint64_t received = 0;
+  };
+  static constexpr std::size_t kArrays = 4;
+
+  std::array<State, kArrays> states_;
+  ParameterizedMesh mesh_;
+};
+
+}  // namespace moduli

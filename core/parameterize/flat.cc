@@ -1,0 +1,332 @@
+#include "core/parameterize/flat.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "core/base/text.h"
+#include "core/intrinsic/flat_charts.h"
+#include "core/intrinsic/mollify.h"
+#include "core/mesh/double_cover.h"
+#include "core/parameterize/layout.h"
+#include "core/ricci/circle_packing.h"
+#include "core/ricci/flow.h"
+#include "core/ricci/newton.h"
+#include "core/ricci/prescribe.h"
+#include "core/spherical/face_frame.h"
+#include "core/topology/surface_topology.h"
+
+namespace moduli {
+namespace {
+
+constexpr int kMaxRoundings = 15;
+/// Of the mean turning at a vertex.
+constexpr double kEvenTurning = 2e-3;
+/// Of the curvature on the way there.
+constexpr double kRoughly = 1e-6;
+/// Past these a result is an error.
+constexpr double kMaxResidual = 1e-9;
+constexpr double kMaxClosure = 1e-4;
+
+class Flattening {
+ public:
+  Flattening(Context& context, const Connectivity& surface, const std::vector<double>& lengths,
+             const FlatOptions& options)
+      : context_(context), surface_(surface), lengths_(lengths), options_(options) {
+    loops_ = computeTopology(surface_).boundary_loops;
+    bordered_ = !loops_.empty();
+  }
+
+  Result<FlatParameterization> run() {
+    ASSIGN_OR_RETURN(target_, flatTarget(surface_, options_.cones, options_.boundary, lengths_));
+    RETURN_IF_ERROR(options_.scheme == Scheme::kVertexScaling ? scaleVertices() : packCircles());
+    const Context::Stage stage(context_, "layout");
+    RETURN_IF_ERROR(context_.check());
+    std::vector<bool> is_cone(surface_.vertexCount(), false);
+    for (Index v = 0; v < surface_.vertexCount(); ++v) is_cone[v] = target_[v] != 0;
+    PlanarLayout layout = layOut(surface_, charts_, is_cone);
+    certificate().layout_closure = layout.closure;
+    RETURN_IF_ERROR(judgeMetric());
+    result_.points = std::move(layout.points);
+    result_.corner = std::move(layout.corner);
+    RETURN_IF_ERROR(judgeFaces());
+    return std::move(result_);
+  }
+
+ private:
+  FlatCertificate& certificate() { return result_.certificate; }
+  bool roundsBoundary() const { return bordered_ && options_.boundary == BoundaryRule::kCircle; }
+  bool freesBoundary() const { return bordered_ && options_.boundary == BoundaryRule::kFree; }
+
+  /// One unknown per vertex.
+  std::vector<bool> fixedVertices() const {
+    if (!freesBoundary()) return {};
+    std::vector<bool> fixed(surface_.vertexCount(), false);
+    for (Index v = 0; v < surface_.vertexCount(); ++v) fixed[v] = surface_.isBoundaryVertex(v);
+    return fixed;
+  }
+
+  /// Vertex scaling of the surface, or of its double under the mirror symmetry: there every target
+  /// has a metric, whatever the boundary's triangles are like.
+  Status scaleVertices() {
+    PrescribeOptions options;
+    options.initial_delaunay = options_.initial_delaunay;
+    options.solver = options_.solver;
+    options.fixed = fixedVertices();
+    if (!bordered_) {
+      PrescribedCurvature problem(surface_, Unknowns::all(surface_.vertexCount()), options);
+      RETURN_IF_ERROR(problem.start(context_, lengths_));
+      ASSIGN_OR_RETURN(const DiscreteMetric metric, problem.solve(context_, target_));
+      keep(metric);
+      return {};
+    }
+    ASSIGN_OR_RETURN(const DoubleCover cover, doubleCover(surface_));
+    std::vector<double> lengths;
+    lengths.reserve(cover.edge.size());
+    for (const Index edge : cover.edge) lengths.push_back(lengths_[edge]);
+    Unknowns unknowns;
+    unknowns.count = surface_.vertexCount();
+    for (std::size_t v = 0; v < cover.involution.size(); ++v) {
+      unknowns.of_vertex.push_back(std::min(static_cast<Index>(v), cover.involution[v]));
+    }
+    PrescribedCurvature problem(cover.connectivity, std::move(unknowns), options);
+    RETURN_IF_ERROR(problem.start(context_, lengths));
+    return solveDouble(cover, problem);
+  }
+
+  /// The present target on the double.
+  std::vector<double> doubledTarget(const DoubleCover& cover) const {
+    std::vector<double> doubled(cover.involution.size());
+    for (std::size_t v = 0; v < doubled.size(); ++v) {
+      const auto own = static_cast<Index>(v);
+      const Index mirror = cover.involution[v];
+      doubled[v] = mirror == own ? 2 * target_[own] : target_[std::min(own, mirror)];
+    }
+    return doubled;
+  }
+
+  Status solveDouble(const DoubleCover& cover, PrescribedCurvature& problem) {
+    int iterations = 0;
+    const auto keepHalf = [&](const DiscreteMetric& metric) {
+      keep(metric);
+      charts_.resize(3 * static_cast<std::size_t>(cover.face_count));
+      iterations += metric.certificate.newton_iterations;
+      certificate().newton_iterations = iterations;
+      certificate().gauss_bonnet_residual /= 2;
+    };
+    if (roundsBoundary()) {
+      double uneven = 1;
+      for (int n = 0; n < kMaxRoundings && uneven > kEvenTurning; ++n) {
+        ASSIGN_OR_RETURN(const DiscreteMetric metric,
+                         problem.approach(context_, doubledTarget(cover), kRoughly));
+        keepHalf(metric);
+        ASSIGN_OR_RETURN(uneven, turnEvenly());
+      }
+      warnUneven(uneven);
+    }
+    ASSIGN_OR_RETURN(const DiscreteMetric metric, problem.solve(context_, doubledTarget(cover)));
+    keepHalf(metric);
+    return {};
+  }
+
+  void warnUneven(double uneven) {
+    if (uneven <= kEvenTurning) return;
+    certificate().warnings.push_back("UNEVEN_BOUNDARY: the turning of the boundary is even up to " +
+                                     shortestDouble(uneven) + " of its mean only");
+  }
+
+  /// Moves the targets along the boundary towards even turning in the present metric. Returns how
+  /// far they were from it, relative to the mean turning at a vertex.
+  Result<double> turnEvenly() {
+    std::vector<double> lengths(surface_.edgeCount());
+    for (Index e = 0; e < surface_.edgeCount(); ++e) {
+      lengths[e] = std::abs(charts_[surface_.halfedge(e)]);
+    }
+    ASSIGN_OR_RETURN(const std::vector<double> even,
+                     flatTarget(surface_, options_.cones, options_.boundary, lengths));
+    double change = 0, turning = 0, count = 0;
+    for (const std::vector<Index>& loop : loops_) {
+      double total = 0;
+      for (const Index h : loop) {
+        const Index v = surface_.tail(h);
+        change = std::max(change, std::abs(even[v] - target_[v]));
+        total += even[v];
+      }
+      turning += std::abs(total);
+      count += static_cast<double>(loop.size());
+      // A wave with k crests around the loop comes back m / k times as large, m the loop's turning
+      // over 2 pi; k = 1 is a Möbius map where m = 1. The step suits the middle of what is left.
+      const double m = total / (2 * std::numbers::pi);
+      const double step = 1 / (1 - (m > 0 ? m / 4 : m / 2));
+      for (const Index h : loop) {
+        const Index v = surface_.tail(h);
+        target_[v] += step * (even[v] - target_[v]);
+      }
+    }
+    return turning > 0 ? change / (turning / count) : change;
+  }
+
+  void keep(const DiscreteMetric& metric) {
+    charts_ = undoFlips(metric.triangulation, chartsOfTriangles(metric.half_chords, metric.angles));
+    certificate().curvature_residual = metric.certificate.curvature_residual;
+    certificate().gauss_bonnet_residual = metric.certificate.gauss_bonnet_residual;
+    certificate().newton_iterations = metric.certificate.newton_iterations;
+    certificate().flips = metric.certificate.flips;
+    certificate().smallest_angle = metric.certificate.smallest_angle;
+  }
+
+  /// Circles on the surface's own triangles.
+  Status packCircles() {
+    ASSIGN_OR_RETURN(
+        CirclePackingModel model,
+        CirclePackingModel::make(surface_, Geometry::kEuclidean, options_.scheme, lengths_));
+    certificate().clamped_fraction = model.clampedFraction();
+    int iterations = 0;
+    double uneven = roundsBoundary() ? 1 : 0;
+    Eigen::VectorXd u = model.initial();
+    for (int n = 0;; ++n) {
+      const Eigen::VectorXd wanted =
+          Eigen::Map<const Eigen::VectorXd>(target_.data(), surface_.vertexCount());
+      const bool last = uneven <= kEvenTurning || n >= kMaxRoundings;
+      ASSIGN_OR_RETURN(const int steps, solveCircles(model, wanted, u, last));
+      iterations += steps;
+      if (model.brokenFaces() > 0) return noPacking();
+      keepCircles(model, wanted);
+      certificate().newton_iterations = iterations;
+      if (last) break;
+      ASSIGN_OR_RETURN(uneven, turnEvenly());
+    }
+    warnUneven(uneven);
+    return {};
+  }
+
+  /// Moves the model and u; returns the number of steps.
+  Result<int> solveCircles(CirclePackingModel& model, const Eigen::VectorXd& wanted,
+                           Eigen::VectorXd& u, bool exactly) {
+    if (options_.solver == RicciSolver::kFlow) {
+      FlowOptions flow_options;
+      flow_options.fixed = fixedVertices();
+      ASSIGN_OR_RETURN(const FlowResult flow, ricciFlow(context_, model, wanted, u, flow_options));
+      u = flow.u;
+      return static_cast<int>(flow.history.size()) - 1;
+    }
+    NewtonOptions newton;
+    newton.fixed = fixedVertices();
+    if (!exactly) newton.tolerance = newton.acceptable = kRoughly;
+    const Result<RicciSolution> solution = solveCurvature(context_, model, wanted, u, newton);
+    if (solution.status().reason() == Reason::kNoConvergence) return noPacking();
+    RETURN_IF_ERROR(solution.status());
+    u = solution->u;
+    return solution->iterations();
+  }
+
+  static Status noPacking() {
+    return {Reason::kNoConvergence, "no circle packing on these triangles has the curvature wanted",
+            "use vertex scaling, which flips edges where triangles break"};
+  }
+
+  void keepCircles(const CirclePackingModel& model, const Eigen::VectorXd& wanted) {
+    std::vector<double> lengths(surface_.halfedgeCount());
+    for (Index h = 0; h < surface_.halfedgeCount(); ++h) {
+      lengths[h] = model.lengths()[surface_.edge(h)];
+    }
+    charts_ = chartsOfTriangles(lengths, model.angles());
+    const Eigen::VectorXd& curvature = model.curvature();
+    const std::vector<bool> fixed = fixedVertices();
+    const double mean = fixed.empty() ? (curvature - wanted).mean() : 0;
+    double residual = 0;
+    for (Index v = 0; v < surface_.vertexCount(); ++v) {
+      if (!fixed.empty() && fixed[v]) continue;
+      residual = std::max(residual, std::abs(curvature[v] - wanted[v] - mean));
+    }
+    certificate().curvature_residual = residual;
+    certificate().gauss_bonnet_residual =
+        std::abs(curvature.sum() - 2 * std::numbers::pi * surface_.eulerCharacteristic());
+    certificate().smallest_angle = *std::min_element(model.angles().begin(), model.angles().end());
+  }
+
+  Status judgeMetric() {
+    if (certificate().curvature_residual <= kMaxResidual &&
+        certificate().layout_closure <= kMaxClosure) {
+      return {};
+    }
+    return {Reason::kResidualTooLarge,
+            "the flat metric has a curvature residual of " +
+                shortestDouble(certificate().curvature_residual) +
+                " (allowed: " + shortestDouble(kMaxResidual) + ") and closes up to " +
+                shortestDouble(certificate().layout_closure) +
+                " of an edge (allowed: " + shortestDouble(kMaxClosure) + ")",
+            "spread the curvature over more cones, or remesh parts that are thin"};
+  }
+
+  /// Scales the layout to the surface's area and compares its faces with the surface's.
+  Status judgeFaces() {
+    const std::vector<double> areas = faceAreas();
+    double area = 0, image = 0, weighted = 0, largest = 1;
+    int flipped = 0;
+    for (Index f = 0; f < surface_.faceCount(); ++f) {
+      const double doubled = doubledArea(charts_, f);
+      area += areas[f];
+      image += doubled / 2;
+      if (!(doubled > 0)) ++flipped;
+      const std::complex<double> u = charts_[3 * f], w = -charts_[3 * f + 2];
+      const double base = std::abs(u);
+      const double k = dilatation(
+          frameFromSides(lengths_[surface_.edge(3 * f)], lengths_[surface_.edge(3 * f + 1)],
+                         lengths_[surface_.edge(3 * f + 2)], areas[f]),
+          {base, std::real(std::conj(u) * w) / base, std::abs(doubled) / base});
+      largest = std::max(largest, k);
+      weighted += areas[f] * k;
+    }
+    certificate().flipped_faces = flipped;
+    if (flipped > 0) {
+      return {Reason::kFoldedMap,
+              "the flat layout turns over " + std::to_string(flipped) + " of " +
+                  std::to_string(surface_.faceCount()) + " faces",
+              "start from the other triangulation (initial Delaunay " +
+                  std::string(options_.initial_delaunay ? "off" : "on") +
+                  "), refine the mesh there, or spread the curvature over more cones"};
+    }
+    certificate().max_dilatation = largest;
+    certificate().mean_dilatation = weighted / area;
+    const double scale = std::sqrt(area / image);
+    for (std::complex<double>& point : result_.points) point *= scale;
+    return {};
+  }
+
+  std::vector<double> faceAreas() const {
+    std::vector<double> areas(surface_.faceCount());
+    for (Index f = 0; f < surface_.faceCount(); ++f) {
+      areas[f] = triangleArea(Geometry::kEuclidean,
+                              {lengths_[surface_.edge(3 * f)], lengths_[surface_.edge(3 * f + 1)],
+                               lengths_[surface_.edge(3 * f + 2)]});
+    }
+    return areas;
+  }
+
+  Context& context_;
+  const Connectivity& surface_;
+  const std::vector<double>& lengths_;
+  const FlatOptions& options_;
+  std::vector<std::vector<Index>> loops_;
+  bool bordered_ = false;
+  std::vector<double> target_;
+  FlatCharts charts_;
+  FlatParameterization result_;
+};
+
+}  // namespace
+
+Result<FlatParameterization> parameterizeFlat(Context& context, const Connectivity& surface,
+                                              const std::vector<double>& lengths,
+                                              const FlatOptions& options) {
+  ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
+  ASSIGN_OR_RETURN(FlatParameterization result,
+                   Flattening(context, surface, mollified.lengths, options).run());
+  result.certificate.mollification = mollified.relative_shift;
+  return result;
+}
+
+}  // namespace moduli

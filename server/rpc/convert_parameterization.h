@@ -1,0 +1,16 @@
+#pragma once
+
+#include "core/parameterize/flat.h"
+#include "moduli/v1/parameterization.pb.h"
+
+/// Parameterizations as messages of the public API and back. Pure; O(size of the value).
+namespace moduli {
+
+/// Of checked options, without their cones: those speak of the input's vertices. What is
+/// unspecified has its default.
+FlatOptions fromProto(const v1::ParameterizationOptions& options);
+
+/// Numbers that are not finite are left out.
+v1::ParameterizationCertificate toProto(const FlatCertificate& certificate);
+
+}  // namespace moduli
