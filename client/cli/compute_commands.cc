@@ -36,6 +36,9 @@ Status runSignature(Session& session, const Arguments& arguments) {
   *request.mutable_source() = *std::move(source);
   *request.mutable_prepare() = prepareOf(arguments);
   request.set_space(spaceOf(arguments));
+  if (arguments.has("initial-delaunay")) {
+    request.set_initial_delaunay(arguments.text("initial-delaunay") == "on");
+  }
   const Result<v1::Signature> result = client->computeSignature(request);
   if (!result.ok()) return session.explain(mesh.name(), result.status());
   if (session.json()) return session.printJson(*result);
@@ -76,6 +79,7 @@ std::optional<std::string> checkDistance(const Arguments& arguments) {
 std::vector<OptionSpec> signatureOptions() {
   std::vector<OptionSpec> options = {
       spaceOption("Compute this space only, and do only the work that it needs; default: all")};
+  options.push_back(initialDelaunayOption());
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
   options.push_back(formatOption());
   return options;

@@ -147,7 +147,7 @@ std::vector<OptionSpec> parameterizeOptions() {
        .value = "RULE|FILE",
        .help = "What the boundary becomes: 'circle' (every loop turns evenly), 'straight' "
                "(curvature 0 where no cone stands), 'free' (keeps its lengths), or a file of lines "
-               "'vertex curvature' and straight elsewhere. Default: circle, or straight where "
+               "'vertex curvature' and straight elsewhere. Default: free, or straight where "
                "cones stand on it",
        .completion = Completion::kFile},
       {.names = "--scheme",
@@ -158,10 +158,7 @@ std::vector<OptionSpec> parameterizeOptions() {
        .value = "SOLVER",
        .help = "How the metric is found (newton)",
        .choices = {"newton", "flow"}},
-      {.names = "--initial-delaunay",
-       .value = "on|off",
-       .help = "Vertex scaling: flip to a Delaunay triangulation first (on)",
-       .choices = {"on", "off"}}};
+      initialDelaunayOption()};
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
   options.push_back(formatOption());
   return options;

@@ -81,7 +81,7 @@ Result<BoundaryRule> boundaryRule(v1::ParameterizationOptions::Boundary wanted,
                       Options::Boundary_Name(wanted) + " sets itself",
                   "take the rule STRAIGHT (--boundary straight), or leave the cone out");
   }
-  return wanted == Options::FREE ? BoundaryRule::kFree : BoundaryRule::kCircle;
+  return wanted == Options::CIRCLE ? BoundaryRule::kCircle : BoundaryRule::kFree;
 }
 
 }  // namespace moduli

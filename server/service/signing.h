@@ -10,6 +10,7 @@
 #include "core/mesh/format.h"
 #include "core/mesh/prepare.h"
 #include "core/mesh/triangle_soup.h"
+#include "core/signature/compute.h"
 #include "core/signature/signature.h"
 #include "moduli/v1/mesh.pb.h"
 #include "server/service/backend.h"
@@ -44,8 +45,8 @@ Result<ParsedSurface> parseSurface(Context& context, const Backend& backend, con
 /// can undergo, and with kComponentNotFound where it names another component than the one there is.
 Status checkIntrinsicPrepare(const PrepareOptions& prepare);
 
-/// Parses, prepares and signs. space: only this one and the work that it needs.
+/// Parses, prepares and signs.
 Result<Signature> signMesh(Context& context, const Backend& backend, const MeshFile& file,
-                           const PrepareOptions& prepare, std::optional<Space> space);
+                           const PrepareOptions& prepare, const SignatureOptions& options);
 
 }  // namespace moduli
