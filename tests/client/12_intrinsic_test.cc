@@ -100,6 +100,14 @@ TEST_F(Intrinsic, OptionsThatOnlyAMeshCanUndergoAreRefusedByName) {
               HasSubstr("(COMPONENT_NOT_FOUND); "));
 }
 
+TEST_F(Intrinsic, WhatWritesPositionsRefusesThem) {
+  sample("bolza.json", {"bolza"});
+  const ProcessResult result = run({"parameterize", "bolza.json", "--to", "flat", "-o", "out.obj"});
+  EXPECT_THAT(result, FailsWithOneLine());
+  EXPECT_THAT(result.err, HasSubstr("has no positions in space"));
+  EXPECT_FALSE(exists("out.obj"));
+}
+
 TEST_F(Intrinsic, ContentAndOptionTellTheFormat) {
   sample("bolza.json", {"bolza"});
   write("bolza.off", read("bolza.json"));
