@@ -26,6 +26,7 @@ constexpr double kAcceptable = 1e-10;
 constexpr double kStraight = 1e-9;
 /// Relative to the residual of free vertices.
 constexpr double kEarlyRelease = 0.5;
+constexpr double kFineRegion = 1e-4;
 constexpr int kMaxIterations = 100;
 constexpr int kMaxShortenings = 30;
 constexpr int kMaxReleases = 200;
@@ -45,6 +46,13 @@ class Solver {
     keep();
     for (int n = 0; n < kMaxIterations; ++n) {
       bool moved = false;
+      if (!fine_ && residuals_.back() < kFineRegion) {
+        // Changes of u far below its rounding are felt from here on.
+        fine_ = true;
+        base_ = metric_.u();
+        metric_.setBase(base_);
+        RETURN_IF_ERROR(metric_.moveTo(context_, Eigen::VectorXd::Zero(vertices())));
+      }
       if (residuals_.back() > kTolerance) {
         ASSIGN_OR_RETURN(moved, step());
         if (!moved && residuals_.back() > kAcceptable) break;
@@ -56,6 +64,14 @@ class Solver {
   }
 
   const PuncturedMetric& metric() const { return metric_; }
+  /// Per vertex.
+  std::vector<double> factors() const {
+    std::vector<double> u(metric_.u().begin(), metric_.u().end());
+    if (fine_) {
+      for (std::size_t v = 0; v < u.size(); ++v) u[v] += base_[static_cast<Eigen::Index>(v)];
+    }
+    return u;
+  }
   const std::vector<double>& residuals() const { return residuals_; }
 
   double maxLinkAngle() const {
@@ -160,6 +176,8 @@ class Solver {
   Eigen::VectorXd gradient_;
   std::vector<double> residuals_;
   int releases_ = 0;
+  Eigen::VectorXd base_;
+  bool fine_ = false;  ///< u counts from base_.
 };
 
 /// Where the search begins: a triangulation in its discrete conformal class, and factors under
@@ -288,8 +306,7 @@ std::vector<Index> candidates(const IntrinsicTriangulation& triangulation,
 PuncturedSphereMetric describe(const Solver& solver) {
   const PuncturedMetric& metric = solver.metric();
   const Index vertices = metric.triangulation().vertexCount();
-  PuncturedSphereMetric result{{Geometry::kEuclidean, metric.triangulation(),
-                                std::vector<double>(metric.u().begin(), metric.u().end()),
+  PuncturedSphereMetric result{{Geometry::kEuclidean, metric.triangulation(), solver.factors(),
                                 metric.scaledHalfChords(), metric.angles(), MetricCertificate()},
                                metric.infinity(),
                                std::vector<bool>(vertices, false),
