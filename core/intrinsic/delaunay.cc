@@ -26,16 +26,17 @@ Index previous(Index h) {
   return Connectivity::previous(h);
 }
 
-/// Cosine of the angle between a and b, opposite x; factored, for needles lose it in the squares.
+/// Cosine of the angle between a and b, opposite x; factored, for needles lose it in the squares,
+/// and in quotients, for squares leave the range of a double.
 double oppositeCosine(double x, double a, double b) {
   const double large = std::max(a, b), small = std::min(a, b);
-  return ((large - x) * (large + x) + small * small) / (2 * a * b);
+  return (((large - x) / large) * ((large + x) / small) + small / large) / 2;
 }
 
 /// What the rounding of three sides does to that cosine.
 double cosineRounding(double x, double a, double b) {
   const double longest = std::max({x, a, b});
-  return longest * longest / (a * b);
+  return (longest / a) * (longest / b);
 }
 
 /// The loop that both kinds of flips share. Metric: `double half(h)`, the half chord to judge by,

@@ -73,6 +73,10 @@ Status VertexScalingModel::moveTo(Context& context, const Eigen::VectorXd& u) {
     if (flips > 0 || before != accepted_flips_) pattern_stale_ = true;
   }
   measure();
+  // The sine of a hyperbolic side of hundreds is none.
+  if (!curvature_.allFinite()) {
+    return {Reason::kNoConvergence, "triangles leave the range of numbers"};
+  }
   return {};
 }
 

@@ -38,7 +38,8 @@ class VertexScalingModel : public CurvatureModel {
 
   Geometry geometry() const override { return geometry_; }
   Eigen::Index size() const override { return unknowns_.count; }
-  /// O(F) and the flips; fails also with kNoConvergence where |u| is beyond 600.
+  /// O(F) and the flips; fails also with kNoConvergence where |u| is beyond 600 or a triangle has
+  /// no angles: hyperbolic sides of hundreds, spherical ones that do not fit on the sphere.
   Status moveTo(Context& context, const Eigen::VectorXd& u) override;
   /// With flips only. Source: vertex_relaxation.h.
   Result<bool> relax(Context& context, const Eigen::VectorXd& target,
