@@ -32,11 +32,13 @@ class CurvatureModel {
   /// kDeadlineExceeded; then the model has to be moved to another u before it answers again.
   virtual Status moveTo(Context& context, const Eigen::VectorXd& u) = 0;
 
-  /// Changes single unknowns of u, where the model is, so that no curvature is off its target by
-  /// more than some radians, as far as that can be done one by one; moves there. fixed: as in
-  /// NewtonOptions. Returns whether anything changed. A model may have no such method.
+  /// Changes single unknowns of u, where the model is, whose curvatures are off their targets by
+  /// more than min(1, residual) radians, until a third of that is left, as far as that can be done
+  /// one by one; moves there. fixed: as in NewtonOptions. Returns whether anything changed. A model
+  /// may have no such method.
   virtual Result<bool> relax(Context& /*context*/, const Eigen::VectorXd& /*target*/,
-                             const std::vector<bool>& /*fixed*/, Eigen::VectorXd& /*u*/) {
+                             const std::vector<bool>& /*fixed*/, double /*residual*/,
+                             Eigen::VectorXd& /*u*/) {
     return false;
   }
 

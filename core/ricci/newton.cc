@@ -33,7 +33,7 @@ class Newton {
   Result<RicciSolution> run(const Eigen::VectorXd& start) {
     solution_.u = start;
     RETURN_IF_ERROR(model_.moveTo(context_, start));
-    RETURN_IF_ERROR(model_.relax(context_, target_, options_.fixed, solution_.u).status());
+    RETURN_IF_ERROR(model_.relax(context_, target_, options_.fixed, 1, solution_.u).status());
     keep();
     base_ = Eigen::VectorXd::Zero(start.size());
     while (solution_.residual() > options_.tolerance &&
@@ -121,7 +121,8 @@ class Newton {
 
   /// Tries the end of a step that is too long with the worst vertices relaxed.
   Result<bool> relax(Eigen::VectorXd there) {
-    ASSIGN_OR_RETURN(const bool changed, model_.relax(context_, target_, options_.fixed, there));
+    ASSIGN_OR_RETURN(const bool changed, model_.relax(context_, target_, options_.fixed,
+                                                      solution_.residual() / 2, there));
     if (!changed || gradientThere().norm() > kProgress * gradient_.norm()) return false;
     return accept(there, true);
   }

@@ -19,9 +19,6 @@ namespace {
 constexpr std::size_t kGrain = 4096;
 /// e^{u / 2} and its products with half chords stay far from the ends of a double's range.
 constexpr double kMaxFactor = 600;
-/// Curvatures off their targets by more are solved for alone, up to the second number, radians.
-constexpr double kRelaxAbove = 1;
-constexpr double kRelaxTo = 0.3;
 constexpr int kMaxRelaxations = 10;
 
 }  // namespace
@@ -81,9 +78,11 @@ Status VertexScalingModel::moveTo(Context& context, const Eigen::VectorXd& u) {
 }
 
 Result<bool> VertexScalingModel::relax(Context& context, const Eigen::VectorXd& target,
-                                       const std::vector<bool>& fixed, Eigen::VectorXd& u) {
+                                       const std::vector<bool>& fixed, double residual,
+                                       Eigen::VectorXd& u) {
   if (flips_ == Flips::kOff) return false;
   const Context::Stage stage(context, "relax");
+  const double above = std::min(1.0, residual);
   std::optional<VertexRelaxation> relaxation;
   std::vector<std::vector<Index>> orbits;
   bool changed = false;
@@ -91,7 +90,7 @@ Result<bool> VertexScalingModel::relax(Context& context, const Eigen::VectorXd& 
     std::vector<Index> bad;
     for (Index n = 0; n < unknowns_.count; ++n) {
       if (!fixed.empty() && fixed[n]) continue;
-      if (std::abs(curvature_[n] - target[n]) > kRelaxAbove) bad.push_back(n);
+      if (std::abs(curvature_[n] - target[n]) > above) bad.push_back(n);
     }
     if (bad.empty()) break;
     if (!relaxation) {
@@ -105,7 +104,7 @@ Result<bool> VertexScalingModel::relax(Context& context, const Eigen::VectorXd& 
     for (const Index n : bad) {
       RETURN_IF_ERROR(context.check());
       ASSIGN_OR_RETURN(const double change,
-                       relaxation->solve(context, orbits[n], target[n], kRelaxTo));
+                       relaxation->solve(context, orbits[n], target[n], above / 3));
       if (change == 0) continue;
       u[n] += change;
       for (const Index v : orbits[n]) change_[v] = u[n];

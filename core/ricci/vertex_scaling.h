@@ -43,7 +43,7 @@ class VertexScalingModel : public CurvatureModel {
   Status moveTo(Context& context, const Eigen::VectorXd& u) override;
   /// With flips only. Source: vertex_relaxation.h.
   Result<bool> relax(Context& context, const Eigen::VectorXd& target,
-                     const std::vector<bool>& fixed, Eigen::VectorXd& u) override;
+                     const std::vector<bool>& fixed, double residual, Eigen::VectorXd& u) override;
   bool setBase(const Eigen::VectorXd& base) override;
   void accept() override { accepted_flips_ = triangulation_.history().size(); }
   const Eigen::VectorXd& curvature() const override { return curvature_; }
