@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kResidual = 1e-10;
 constexpr int kSteps = 30;
+constexpr int kSkipped = 77;
 
 struct Tally {
   int cases = 0, failures = 0, most_steps = 0;
@@ -83,7 +84,7 @@ int main(int argc, char** argv) {
   const std::vector<Surface> surfaces = readAll(arguments);
   if (surfaces.empty()) {
     std::printf("SKIPPED: no closed connected surface among %zu files\n", arguments.meshes.size());
-    return arguments.meshes.empty() ? 2 : 77;
+    return kSkipped;
   }
   std::map<std::string, Tally> tallies;
   int failures = 0;
