@@ -33,24 +33,20 @@ Result<MeshFile> loadMesh(Context& context, const Backend& backend, const v1::Me
   return file;
 }
 
-Result<TriangleSoup> parseMesh(Context& context, const Backend& backend, const MeshFile& file) {
-  Context::Stage stage(context, "read");
-  ReadOptions options;
-  options.format = file.format;
-  options.name = file.name;
-  options.max_faces = backend.limits.max_faces;
-  return readMesh(context, file.bytes, options);
-}
-
 Result<ParsedSurface> parseSurface(Context& context, const Backend& backend, const MeshFile& file) {
+  Context::Stage stage(context, "read");
   const auto format = file.format ? file.format : detectFormat(file.bytes, file.name);
+  const std::size_t max_faces = backend.limits.max_faces;
   if (format == MeshFormat::kJson) {
-    Context::Stage stage(context, "read");
     ASSIGN_OR_RETURN(IntrinsicSurface surface,
-                     readIntrinsicJson(context, file.bytes, {file.name, backend.limits.max_faces}));
+                     readIntrinsicJson(context, file.bytes, {file.name, max_faces}));
     return ParsedSurface(std::move(surface));
   }
-  ASSIGN_OR_RETURN(TriangleSoup soup, parseMesh(context, backend, file));
+  ReadOptions options;
+  options.format = format;
+  options.name = file.name;
+  options.max_faces = max_faces;
+  ASSIGN_OR_RETURN(TriangleSoup soup, readMesh(context, file.bytes, options));
   return ParsedSurface(std::move(soup));
 }
 

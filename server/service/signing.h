@@ -30,14 +30,10 @@ struct MeshFile {
 /// kShapeNotFound and as the store does.
 Result<MeshFile> loadMesh(Context& context, const Backend& backend, const v1::MeshSource& source);
 
-/// Parses a file of a mesh, within the server's limit of faces. Fails as readMesh does: an
-/// intrinsic triangulation, which has no positions, with kUnsupportedContent.
-Result<TriangleSoup> parseMesh(Context& context, const Backend& backend, const MeshFile& file);
-
 /// What a file holds: a mesh, or, in a JSON file, an intrinsic triangulation.
 using ParsedSurface = std::variant<TriangleSoup, IntrinsicSurface>;
 
-/// Parses a file of either kind, within the same limit. Fails as readMesh or readIntrinsicJson
+/// Parses a file, within the server's limit of faces. Fails as readMesh or readIntrinsicJson
 /// does.
 Result<ParsedSurface> parseSurface(Context& context, const Backend& backend, const MeshFile& file);
 

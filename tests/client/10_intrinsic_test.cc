@@ -100,12 +100,20 @@ TEST_F(Intrinsic, OptionsThatOnlyAMeshCanUndergoAreRefusedByName) {
               HasSubstr("(COMPONENT_NOT_FOUND); "));
 }
 
-TEST_F(Intrinsic, WhatWritesPositionsRefusesThem) {
-  sample("bolza.json", {"bolza"});
-  const ProcessResult result = run({"parameterize", "bolza.json", "--to", "flat", "-o", "out.obj"});
-  EXPECT_THAT(result, FailsWithOneLine());
-  EXPECT_THAT(result.err, HasSubstr("has no positions in space"));
-  EXPECT_FALSE(exists("out.obj"));
+TEST_F(Intrinsic, AParameterizationStandsInThePlaceOfPositions) {
+  write("square.json", kSquareTorus);
+  const Json map = json({"parameterize", "square.json", "--to", "flat", "-o", "out.obj"});
+  EXPECT_EQ(map["certificate"]["flipped_faces"].number(), 0);
+  EXPECT_NEAR(map["certificate"]["max_dilatation"].number(), 1, 1e-14);
+  // The two triangles, unfolded: a square.
+  const Json unfolded = json({"inspect", "out.obj"});
+  EXPECT_EQ(unfolded["topology"]["vertices"].number(), 4);
+  EXPECT_NEAR(unfolded["topology"]["area"].number(), 1, 1e-14);
+  const ProcessResult repaired =
+      run({"parameterize", "square.json", "--to", "flat", "--repair", "-o", "again.obj"});
+  EXPECT_THAT(repaired, FailsWithOneLine());
+  EXPECT_THAT(repaired.err, HasSubstr("(INVALID_OPTION); "));
+  EXPECT_FALSE(exists("again.obj"));
 }
 
 TEST_F(Intrinsic, ContentAndOptionTellTheFormat) {
