@@ -293,7 +293,7 @@ void refineOnce(TriangleSoup& soup, std::mt19937& random) {
   soup.faces = std::move(faces);
   const double reach = 0.1 * total / 2 / static_cast<double>(middles.size());
   for (Eigen::Vector3d& p : soup.vertices) {
-    for (int k = 0; k < 3; ++k) p[k] += reach * (random() / 2147483648.0 - 1);
+    for (int k = 0; k < 3; ++k) p[k] += reach * (static_cast<double>(random()) / 2147483648.0 - 1);
   }
 }
 
