@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -20,6 +21,8 @@ constexpr double kSlopeTurn = 0.1;
 constexpr double kRoundingRegion = 1e-9;
 /// From here on changes of u are counted on their own.
 constexpr double kFineRegion = 1e-4;
+/// A full turn at one vertex: no start for a Newton step.
+constexpr double kWild = 2 * std::numbers::pi;
 constexpr int kMaxShortenings = 40;
 /// Of the norm of the gradient, where relaxation is in place of a short step.
 constexpr double kProgress = 0.9;
@@ -33,7 +36,9 @@ class Newton {
   Result<RicciSolution> run(const Eigen::VectorXd& start) {
     solution_.u = start;
     RETURN_IF_ERROR(model_.moveTo(context_, start));
-    RETURN_IF_ERROR(model_.relax(context_, target_, options_.fixed, 1, solution_.u).status());
+    if (norm(gradientThere()) > kWild) {
+      RETURN_IF_ERROR(model_.relax(context_, target_, options_.fixed, kWild, solution_.u).status());
+    }
     keep();
     base_ = Eigen::VectorXd::Zero(start.size());
     while (solution_.residual() > options_.tolerance &&
