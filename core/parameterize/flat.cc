@@ -199,7 +199,11 @@ class Flattening {
     newton.fixed = fixedVertices();
     if (!exactly) newton.tolerance = newton.acceptable = kRoughly;
     const Result<RicciSolution> solution = solveCurvature(context_, model, wanted, u, newton);
-    if (solution.status().reason() == Reason::kNoConvergence) return noPacking();
+    // Where u runs away towards a target out of reach, the matrix degenerates with the circles.
+    const Reason reason = solution.status().reason();
+    if (reason == Reason::kNoConvergence || reason == Reason::kNotPositiveDefinite) {
+      return noPacking();
+    }
     RETURN_IF_ERROR(solution.status());
     u = solution->u;
     return solution->iterations();

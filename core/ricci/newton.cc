@@ -21,6 +21,7 @@ constexpr double kSlopeTurn = 0.1;
 constexpr double kRoundingRegion = 1e-9;
 /// From here on changes of u are counted on their own.
 constexpr double kFineRegion = 1e-4;
+constexpr int kMaxRescues = 5;
 /// A full turn at one vertex: no start for a Newton step.
 constexpr double kWild = 2 * std::numbers::pi;
 constexpr int kMaxShortenings = 40;
@@ -48,7 +49,13 @@ class Newton {
         if (model_.setBase(solution_.u)) std::swap(base_, solution_.u);
       }
       ASSIGN_OR_RETURN(const bool moved, step());
-      if (!moved) break;
+      if (moved) continue;
+      if (solution_.residual() <= options_.acceptable) break;
+      // No step is short enough: vertices outside their windows, in a Hessian that rounding rules.
+      ASSIGN_OR_RETURN(const bool changed,
+                       model_.relax(context_, target_, options_.fixed, 1, solution_.u));
+      if (!changed || ++rescues_ > kMaxRescues) break;
+      keep();
     }
     solution_.u += base_;
     model_.setBase(Eigen::VectorXd::Zero(base_.size()));
@@ -151,6 +158,7 @@ class Newton {
   NewtonSystem system_;
   Eigen::VectorXd gradient_;
   Eigen::VectorXd base_;
+  int rescues_ = 0;
   bool fine_ = false;  ///< u counts from base_.
   RicciSolution solution_;
 };

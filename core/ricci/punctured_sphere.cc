@@ -156,6 +156,19 @@ class Solver {
     return true;
   }
 
+  /// Whether a vertex has two arcs to infinity: then the finite faces hang together at it only, in
+  /// several polygons, each of which may be convex.
+  bool touchesItself() const {
+    const IntrinsicTriangulation& triangulation = metric_.triangulation();
+    std::vector<bool> met(vertices(), false);
+    for (Index h = 0; h < triangulation.halfedgeCount(); ++h) {
+      if (triangulation.tail(h) != metric_.infinity()) continue;
+      if (met[triangulation.head(h)]) return true;
+      met[triangulation.head(h)] = true;
+    }
+    return false;
+  }
+
   Status judge() const {
     if (residuals_.back() > kAcceptable) {
       return {Reason::kNoConvergence, "the punctured sphere stays " +
@@ -166,6 +179,9 @@ class Solver {
     if (maxLinkAngle() > kPi + kStraight) {
       return {Reason::kNoConvergence, "the boundary of the flattened sphere stays concave by " +
                                           shortestDouble(maxLinkAngle() - kPi) + " radians"};
+    }
+    if (touchesItself()) {
+      return {Reason::kNoConvergence, "the boundary of the flattened sphere touches itself"};
     }
     return {};
   }
