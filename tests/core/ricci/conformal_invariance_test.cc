@@ -207,15 +207,17 @@ TEST(ConformalInvariance, AllSchemesFindTheClassOfASmoothTorusAtFirstOrderOrBett
 TEST(ConformalInvariance, WithInitialDelaunayInversionIsFeltLessAndLess) {
   std::vector<double> differences;
   for (const int n : {12, 24, 48}) {
-    const Embedded embedded = sample("torus", {{"R", 2}, {"r", 1}, {"resolution", 1.0 * n}});
+    const Embedded embedded =
+        sample("torus", {{"R", 2}, {"r", 1}, {"resolution", 1.0 * n}, {"seed", 1}});
     const auto shape = [](const Embedded& surface) {
       const MetricSurface metric = fromPositions(surface.positions, surface.faces);
       return shapeBy(Scheme::kVertexScaling, metric);
     };
     differences.push_back(std::abs(shape(embedded) - shape(inverted(embedded, {3, 4, 2.5}))));
   }
-  EXPECT_LT(differences[1], 0.55 * differences[0]);
-  EXPECT_LT(differences[2], 0.55 * differences[1]);
+  // Irregular meshes: the two halvings together, and no symmetry that would hide the difference.
+  EXPECT_GT(differences[0], 1e-6);
+  EXPECT_LT(differences[2], 0.25 * 1.1 * differences[0]) << differences[0] << " " << differences[1];
 }
 
 }  // namespace
