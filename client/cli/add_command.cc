@@ -257,7 +257,8 @@ std::vector<CommandSpec> addCommands() {
            .summary = "Sign files and store them in a collection",
            .details =
                "Any number of files and folders; of a folder its mesh files count, by their "
-               "extension. A collection that is not there is made. A file that fails does not stop "
+               "extension, and those JSON files that say they are intrinsic triangulations. A "
+               "collection that is not there is made. A file that fails does not stop "
                "the others; what is stored already is skipped without being sent, so that a run "
                "that was broken off is finished by the same command. Ends with a summary, and with "
                "exit code 1 if any file failed.",

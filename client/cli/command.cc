@@ -104,6 +104,16 @@ OptionSpec formatOption() {
           .choices = {"obj", "off", "ply", "stl", "json"}};
 }
 
+OptionSpec initialDelaunayOption() {
+  return {.names = "--initial-delaunay",
+          .value = "on|off",
+          .help =
+              "Vertex scaling: start from the intrinsic Delaunay triangulation (on, the "
+              "default), or from the mesh's own edges, whose class no Möbius map of space "
+              "changes",
+          .choices = {"on", "off"}};
+}
+
 OptionSpec spaceOption(const std::string& help) {
   return {.names = "--space",
           .value = "SPACE",

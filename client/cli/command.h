@@ -94,6 +94,7 @@ std::vector<CommandSpec> aboutCommands();
 // Options that several commands share.
 OptionSpec collectionOption();
 OptionSpec formatOption();
+OptionSpec initialDelaunayOption();
 OptionSpec spaceOption(const std::string& help);
 std::vector<OptionSpec> prepareOptions();
 

@@ -36,6 +36,9 @@ Status runSignature(Session& session, const Arguments& arguments) {
   *request.mutable_source() = *std::move(source);
   *request.mutable_prepare() = prepareOf(arguments);
   request.set_space(spaceOf(arguments));
+  if (arguments.has("initial-delaunay")) {
+    request.set_initial_delaunay(arguments.text("initial-delaunay") == "on");
+  }
   const Result<v1::Signature> result = client->computeSignature(request);
   if (!result.ok()) return session.explain(mesh.name(), result.status());
   if (session.json()) return session.printJson(*result);
@@ -76,6 +79,7 @@ std::optional<std::string> checkDistance(const Arguments& arguments) {
 std::vector<OptionSpec> signatureOptions() {
   std::vector<OptionSpec> options = {
       spaceOption("Compute this space only, and do only the work that it needs; default: all")};
+  options.push_back(initialDelaunayOption());
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
   options.push_back(formatOption());
   return options;
@@ -95,7 +99,8 @@ std::vector<CommandSpec> computeCommands() {
        .summary = "Tell a mesh's topology and every defect",
        .details = "Exits 0 on any file that can be read, valid or not, names every defect with the "
                   "numbers of its elements (counted from 0 in the file's order), and says what "
-                  "--repair would do about it.",
+                  "--repair would do about it. An intrinsic triangulation (.json) that has defects "
+                  "cannot be read: the first one is the error.",
        .arguments = {{.name = "MESH", .help = kMeshHelp}},
        .options = {formatOption()},
        .run = runInspect,
@@ -107,10 +112,10 @@ std::vector<CommandSpec> computeCommands() {
                   "scaling keep (shape). Every connected surface has a conformal class: tau for a "
                   "torus, the modulus of a ring, a period matrix and its energies for anything "
                   "with more handles or holes, each with a certified error. Closed surfaces of "
-                  "genus 0 and 1 have the other two as well. The certificate that comes with it "
+                  "genus 0 and 1 have the other two as well, unless they come without positions, "
+                  "as intrinsic triangulations (.json). The certificate that comes with it "
                   "carries the residuals to judge it by. A surface of several components is "
-                  "refused unless --component "
-                  "says which one is meant.",
+                  "refused unless --component says which one is meant.",
        .arguments = {{.name = "MESH", .help = kMeshHelp}},
        .options = signatureOptions(),
        .run = runSignature,

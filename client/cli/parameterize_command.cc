@@ -145,10 +145,10 @@ std::vector<OptionSpec> parameterizeOptions() {
        .completion = Completion::kFile},
       {.names = "--boundary",
        .value = "RULE|FILE",
-       .help = "What the boundary becomes: 'circle' (every loop turns evenly), 'straight' "
-               "(curvature 0 where no cone stands), 'free' (keeps its lengths), or a file of lines "
-               "'vertex curvature' and straight elsewhere. Default: circle, or straight where "
-               "cones stand on it",
+       .help = "What the boundary becomes: 'free' (its lengths keep their ratios), 'circle' (every "
+               "loop turns evenly where no cone stands), 'straight' (curvature 0 where no cone "
+               "stands), or a file of lines 'vertex curvature' and straight elsewhere. Default: "
+               "free, or straight where cones stand on it",
        .completion = Completion::kFile},
       {.names = "--scheme",
        .value = "SCHEME",
@@ -158,10 +158,7 @@ std::vector<OptionSpec> parameterizeOptions() {
        .value = "SOLVER",
        .help = "How the metric is found (newton)",
        .choices = {"newton", "flow"}},
-      {.names = "--initial-delaunay",
-       .value = "on|off",
-       .help = "Vertex scaling: flip to a Delaunay triangulation first (on)",
-       .choices = {"on", "off"}}};
+      initialDelaunayOption()};
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
   options.push_back(formatOption());
   return options;
@@ -192,7 +189,7 @@ std::vector<CommandSpec> parameterizeCommands() {
        .run = runParameterize,
        .examples = "moduli parameterize torus.ply --to flat -o flat.obj\n"
                    "moduli parameterize bunny.obj --to flat --cones cones.txt -o bunny-uv.obj\n"
-                   "moduli parameterize face.obj --to flat --boundary free --json"}};
+                   "moduli parameterize face.obj --to flat --boundary circle --json"}};
 }
 
 }  // namespace moduli::cli

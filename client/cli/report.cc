@@ -143,6 +143,11 @@ std::string certificateLines(const v1::SignatureCertificate& certificate) {
   if (certificate.has_riemann_bilinear_residual()) {
     parts.push_back("bilinear residual " + brief(certificate.riemann_bilinear_residual()));
   }
+  if (certificate.has_curvature_residual()) {
+    parts.push_back("hyperbolic metric flat up to " + brief(certificate.curvature_residual()) +
+                    " after " +
+                    counted(certificate.newton_iterations(), "Newton step", "Newton steps"));
+  }
   return joinedLine("quality", parts) + warningLines(certificate.warnings());
 }
 

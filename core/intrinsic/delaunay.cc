@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/intrinsic/geometry.h"
@@ -46,8 +47,14 @@ class Flipper {
   Flipper(Context& context, IntrinsicTriangulation& triangulation, const Metric& metric)
       : context_(context), triangulation_(triangulation), metric_(metric) {}
 
-  Result<std::size_t> run() {
+  Result<std::size_t> runEverywhere() {
     findBad();
+    return run({});
+  }
+
+  /// suspects: judged after those that are known to be bad.
+  Result<std::size_t> run(std::vector<Index> suspects) {
+    bad_.insert(bad_.end(), suspects.begin(), suspects.end());
     const std::size_t limit = kMaxFlipsPerEdge * triangulation_.halfedgeCount();
     std::size_t flips = 0;
     while (!bad_.empty()) {
@@ -136,12 +143,21 @@ bool isDelaunay(const IntrinsicTriangulation& triangulation, Index h) {
 
 Result<std::size_t> flipToDelaunayIsometric(Context& context,
                                             IntrinsicTriangulation& triangulation) {
-  return Flipper<EuclideanMetric>(context, triangulation, EuclideanMetric()).run();
+  const EuclideanMetric metric;
+  return Flipper<EuclideanMetric>(context, triangulation, metric).runEverywhere();
 }
 
 Result<std::size_t> flipToDelaunayPtolemy(Context& context, IntrinsicTriangulation& triangulation,
                                           const std::vector<double>& scale) {
-  return Flipper<ScaledMetric>(context, triangulation, ScaledMetric{scale}).run();
+  const ScaledMetric metric{scale};
+  return Flipper<ScaledMetric>(context, triangulation, metric).runEverywhere();
+}
+
+Result<std::size_t> flipToDelaunayPtolemy(Context& context, IntrinsicTriangulation& triangulation,
+                                          const std::vector<double>& scale,
+                                          std::vector<Index> suspects) {
+  const ScaledMetric metric{scale};
+  return Flipper<ScaledMetric>(context, triangulation, metric).run(std::move(suspects));
 }
 
 }  // namespace moduli

@@ -39,4 +39,9 @@ Result<std::size_t> flipToDelaunayIsometric(Context& context,
 Result<std::size_t> flipToDelaunayPtolemy(Context& context, IntrinsicTriangulation& triangulation,
                                           const std::vector<double>& scale);
 
+/// The same where only these edges (by a halfedge of each) may fail the test at first.
+Result<std::size_t> flipToDelaunayPtolemy(Context& context, IntrinsicTriangulation& triangulation,
+                                          const std::vector<double>& scale,
+                                          std::vector<Index> suspects);
+
 }  // namespace moduli

@@ -28,6 +28,9 @@ std::mutex& metisMutex() {
   return mutex;
 }
 
+/// An ordering that was found for another graph is kept until it costs this much more.
+constexpr double kStaleOrdering = 1.25;
+
 struct DenseDeleter {
   cholmod_common* common;
   void operator()(cholmod_dense* dense) const { cholmod_free_dense(&dense, common); }
@@ -53,19 +56,9 @@ class CholmodBackend : public FactorBackend {
   CholmodBackend& operator=(const CholmodBackend&) = delete;
 
   Status analyze(const SparseMatrix& matrix) override {
-    cholmod_sparse view = viewOf(matrix);
-    RETURN_IF_ERROR(analyzeWith(view, CHOLMOD_AMD));
-    // CHOLMOD's own criterion: minimum degree is good unless the factor is costly and much fuller
-    // than the matrix; then nested dissection is tried too and the better one of both is kept.
-    const double flops = common_.fl;
-    const double costly = 500 * common_.lnz;
-    const bool full = common_.lnz >= 5.0 * static_cast<double>(matrix.nonZeros());
-    if (flops < costly || !full) return {};
-    {
-      const std::scoped_lock lock(metisMutex());
-      RETURN_IF_ERROR(analyzeWith(view, CHOLMOD_METIS));
-    }
-    return common_.fl <= flops ? Status() : analyzeWith(view, CHOLMOD_AMD);
+    RETURN_IF_ERROR(order(matrix));
+    ordered_flops_ = common_.fl;
+    return {};
   }
 
   Status reanalyze(const SparseMatrix& matrix) override {
@@ -73,7 +66,8 @@ class CholmodBackend : public FactorBackend {
     const auto* permutation = static_cast<const int*>(factor_->Perm);
     std::vector<int> kept(permutation, permutation + factor_->n);
     cholmod_sparse view = viewOf(matrix);
-    return analyzeWith(view, CHOLMOD_GIVEN, kept.data());
+    RETURN_IF_ERROR(analyzeWith(view, CHOLMOD_GIVEN, kept.data()));
+    return common_.fl <= kStaleOrdering * ordered_flops_ ? Status() : analyze(matrix);
   }
 
   Status factorize(const SparseMatrix& matrix) override {
@@ -105,6 +99,22 @@ class CholmodBackend : public FactorBackend {
   }
 
  private:
+  Status order(const SparseMatrix& matrix) {
+    cholmod_sparse view = viewOf(matrix);
+    RETURN_IF_ERROR(analyzeWith(view, CHOLMOD_AMD));
+    // CHOLMOD's own criterion: minimum degree is good unless the factor is costly and much fuller
+    // than the matrix; then nested dissection is tried too and the better one of both is kept.
+    const double flops = common_.fl;
+    const double costly = 500 * common_.lnz;
+    const bool full = common_.lnz >= 5.0 * static_cast<double>(matrix.nonZeros());
+    if (flops < costly || !full) return {};
+    {
+      const std::scoped_lock lock(metisMutex());
+      RETURN_IF_ERROR(analyzeWith(view, CHOLMOD_METIS));
+    }
+    return common_.fl <= flops ? Status() : analyzeWith(view, CHOLMOD_AMD);
+  }
+
   static cholmod_sparse viewOf(const SparseMatrix& matrix) {
     cholmod_sparse view{};
     view.nrow = static_cast<std::size_t>(matrix.rows());
@@ -149,6 +159,7 @@ class CholmodBackend : public FactorBackend {
 
   cholmod_common common_{};
   cholmod_factor* factor_ = nullptr;
+  double ordered_flops_ = 0;  ///< Of the factorization for which the ordering was found.
 };
 
 }  // namespace

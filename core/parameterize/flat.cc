@@ -13,6 +13,7 @@
 #include "core/parameterize/layout.h"
 #include "core/ricci/circle_packing.h"
 #include "core/ricci/flow.h"
+#include "core/ricci/mirror_symmetry.h"
 #include "core/ricci/newton.h"
 #include "core/ricci/prescribe.h"
 #include "core/spherical/face_frame.h"
@@ -83,28 +84,9 @@ class Flattening {
       return {};
     }
     ASSIGN_OR_RETURN(const DoubleCover cover, doubleCover(surface_));
-    std::vector<double> lengths;
-    lengths.reserve(cover.edge.size());
-    for (const Index edge : cover.edge) lengths.push_back(lengths_[edge]);
-    Unknowns unknowns;
-    unknowns.count = surface_.vertexCount();
-    for (std::size_t v = 0; v < cover.involution.size(); ++v) {
-      unknowns.of_vertex.push_back(std::min(static_cast<Index>(v), cover.involution[v]));
-    }
-    PrescribedCurvature problem(cover.connectivity, std::move(unknowns), options);
-    RETURN_IF_ERROR(problem.start(context_, lengths));
+    PrescribedCurvature problem(cover.connectivity, mirrorUnknowns(cover), options);
+    RETURN_IF_ERROR(problem.start(context_, lengthsOnDouble(cover, lengths_)));
     return solveDouble(cover, problem);
-  }
-
-  /// The present target on the double.
-  std::vector<double> doubledTarget(const DoubleCover& cover) const {
-    std::vector<double> doubled(cover.involution.size());
-    for (std::size_t v = 0; v < doubled.size(); ++v) {
-      const auto own = static_cast<Index>(v);
-      const Index mirror = cover.involution[v];
-      doubled[v] = mirror == own ? 2 * target_[own] : target_[std::min(own, mirror)];
-    }
-    return doubled;
   }
 
   Status solveDouble(const DoubleCover& cover, PrescribedCurvature& problem) {
@@ -120,13 +102,14 @@ class Flattening {
       double uneven = 1;
       for (int n = 0; n < kMaxRoundings && uneven > kEvenTurning; ++n) {
         ASSIGN_OR_RETURN(const DiscreteMetric metric,
-                         problem.approach(context_, doubledTarget(cover), kRoughly));
+                         problem.approach(context_, curvaturesOnDouble(cover, target_), kRoughly));
         keepHalf(metric);
         ASSIGN_OR_RETURN(uneven, turnEvenly());
       }
       warnUneven(uneven);
     }
-    ASSIGN_OR_RETURN(const DiscreteMetric metric, problem.solve(context_, doubledTarget(cover)));
+    ASSIGN_OR_RETURN(const DiscreteMetric metric,
+                     problem.solve(context_, curvaturesOnDouble(cover, target_)));
     keepHalf(metric);
     return {};
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "core/base/context.h"
 #include "core/base/status.h"
@@ -30,6 +31,20 @@ class CurvatureModel {
   /// Fails with kNoConvergence where u is not finite or too far for a double, kCancelled,
   /// kDeadlineExceeded; then the model has to be moved to another u before it answers again.
   virtual Status moveTo(Context& context, const Eigen::VectorXd& u) = 0;
+
+  /// Changes single unknowns of u, where the model is, whose curvatures are off their targets by
+  /// more than min(1, residual) radians, until a third of that is left, as far as that can be done
+  /// one by one; moves there. fixed: as in NewtonOptions. Returns whether anything changed. A model
+  /// may have no such method.
+  virtual Result<bool> relax(Context& /*context*/, const Eigen::VectorXd& /*target*/,
+                             const std::vector<bool>& /*fixed*/, double /*residual*/,
+                             Eigen::VectorXd& /*u*/) {
+    return false;
+  }
+
+  /// Makes all u that follow count from `base`, so that changes far below the rounding of base + u
+  /// are felt; zeros at first. Moves nothing. Returns false where the model cannot.
+  virtual bool setBase(const Eigen::VectorXd& /*base*/) { return false; }
 
   /// Keeps the present connectivity as the one from which the next moves start.
   virtual void accept() {}

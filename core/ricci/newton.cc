@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -18,7 +19,14 @@ constexpr double kMaxStep = 10;
 constexpr double kSlopeTurn = 0.1;
 /// Below this residual Newton's method converges at once, or rounding is all there is.
 constexpr double kRoundingRegion = 1e-9;
+/// From here on changes of u are counted on their own.
+constexpr double kFineRegion = 1e-4;
+constexpr int kMaxRescues = 5;
+/// A full turn at one vertex: no start for a Newton step.
+constexpr double kWild = 2 * std::numbers::pi;
 constexpr int kMaxShortenings = 40;
+/// Of the norm of the gradient, where relaxation is in place of a short step.
+constexpr double kProgress = 0.9;
 
 class Newton {
  public:
@@ -29,12 +37,28 @@ class Newton {
   Result<RicciSolution> run(const Eigen::VectorXd& start) {
     solution_.u = start;
     RETURN_IF_ERROR(model_.moveTo(context_, start));
+    if (norm(gradientThere()) > kWild) {
+      RETURN_IF_ERROR(model_.relax(context_, target_, options_.fixed, kWild, solution_.u).status());
+    }
     keep();
+    base_ = Eigen::VectorXd::Zero(start.size());
     while (solution_.residual() > options_.tolerance &&
            solution_.iterations() < options_.max_iterations) {
+      if (!fine_ && solution_.residual() < kFineRegion) {
+        fine_ = true;
+        if (model_.setBase(solution_.u)) std::swap(base_, solution_.u);
+      }
       ASSIGN_OR_RETURN(const bool moved, step());
-      if (!moved) break;
+      if (moved) continue;
+      if (solution_.residual() <= options_.acceptable) break;
+      // No step is short enough: vertices outside their windows, in a Hessian that rounding rules.
+      ASSIGN_OR_RETURN(const bool changed,
+                       model_.relax(context_, target_, options_.fixed, 1, solution_.u));
+      if (!changed || ++rescues_ > kMaxRescues) break;
+      keep();
     }
+    solution_.u += base_;
+    model_.setBase(Eigen::VectorXd::Zero(base_.size()));
     if (solution_.residual() <= options_.acceptable) return std::move(solution_);
     return Status{Reason::kNoConvergence,
                   "the curvature stays " + shortestDouble(solution_.residual()) +
@@ -94,6 +118,10 @@ class Newton {
         if (turned <= kSlopeTurn * std::abs(slope) || after < before / 2) {
           return accept(there, true);
         }
+        if (n == 0) {
+          ASSIGN_OR_RETURN(const bool relaxed, relax(there));
+          if (relaxed) return true;
+        }
       } else if (moved.reason() != Reason::kNoConvergence) {
         return moved;
       }
@@ -101,6 +129,14 @@ class Newton {
     }
     RETURN_IF_ERROR(model_.moveTo(context_, solution_.u));
     return false;
+  }
+
+  /// Tries the end of a step that is too long with the worst vertices relaxed.
+  Result<bool> relax(Eigen::VectorXd there) {
+    ASSIGN_OR_RETURN(const bool changed, model_.relax(context_, target_, options_.fixed,
+                                                      solution_.residual() / 2, there));
+    if (!changed || gradientThere().norm() > kProgress * gradient_.norm()) return false;
+    return accept(there, true);
   }
 
   /// The secant's guess of where the slope vanishes, kept between a tenth and a half.
@@ -121,6 +157,9 @@ class Newton {
   const NewtonOptions& options_;
   NewtonSystem system_;
   Eigen::VectorXd gradient_;
+  Eigen::VectorXd base_;
+  int rescues_ = 0;
+  bool fine_ = false;  ///< u counts from base_.
   RicciSolution solution_;
 };
 

@@ -1,6 +1,7 @@
 #include "core/ricci/punctured_metric.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -30,6 +31,7 @@ PuncturedMetric::PuncturedMetric(IntrinsicTriangulation triangulation, Index inf
     : triangulation_(std::move(triangulation)),
       infinity_(infinity),
       accepted_flips_(triangulation_.history().size()),
+      base_(Eigen::VectorXd::Zero(triangulation_.vertexCount())),
       u_(Eigen::VectorXd::Zero(triangulation_.vertexCount())),
       scale_(triangulation_.vertexCount(), 1.0),
       linked_(triangulation_.vertexCount(), false),
@@ -50,11 +52,11 @@ double PuncturedMetric::half(Index h) const {
 
 void PuncturedMetric::setU(Index v, double value) {
   u_[v] = value;
-  scale_[v] = std::exp(value / 2);
+  scale_[v] = std::exp((base_[v] + value) / 2);
 }
 
 void PuncturedMetric::joinLink(Index v, Index spoke) {
-  const double bound = -2 * std::log(triangulation_.halfChord(spoke));
+  const double bound = -2 * std::log(triangulation_.halfChord(spoke)) - base_[v];
   // With two arcs to infinity the shorter one rules.
   setU(v, linked_[v] ? std::max(u_[v], bound) : bound);
   linked_[v] = true;
@@ -144,7 +146,7 @@ Status PuncturedMetric::moveTo(Context& context, const Eigen::VectorXd& u) {
   if (before != accepted_flips_) pattern_stale_ = true;
   u_ = u;
   u_[infinity_] = 0;
-  for (Index v = 0; v < triangulation_.vertexCount(); ++v) scale_[v] = std::exp(u_[v] / 2);
+  for (Index v = 0; v < triangulation_.vertexCount(); ++v) setU(v, u_[v]);
   findLink();
   RETURN_IF_ERROR(flipAll(context));
   if (triangulation_.history().size() != accepted_flips_) pattern_stale_ = true;
@@ -177,6 +179,17 @@ bool PuncturedMetric::release(Index vertex) {
   return true;
 }
 
+ScaledFace PuncturedMetric::needle(Index h) const {
+  TriangleValues sides;
+  std::array<FineFactor, 3> factors;
+  for (int c = 0; c < 3; ++c) {
+    const Index v = triangulation_.tail(h + c);
+    sides[c] = triangulation_.halfChord(h + c);
+    factors[c] = {base_[v], u_[v]};
+  }
+  return scaledNeedle(Geometry::kEuclidean, sides, factors);
+}
+
 void PuncturedMetric::measure() {
   const auto faces = static_cast<std::size_t>(triangulation_.faceCount());
   parallelBlocks(faces, kGrain, [&](std::size_t begin, std::size_t end) {
@@ -190,7 +203,9 @@ void PuncturedMetric::measure() {
         sides[c] = scaled_[h + c] = spoke ? 1 : half(h + c);
       }
       ScaledFace face{{0, 0, 0}, true};
-      if (finite) face = scaledFace(Geometry::kEuclidean, sides);
+      if (finite) {
+        face = isNeedle(sides) ? needle(h) : scaledFace(Geometry::kEuclidean, sides);
+      }
       for (int c = 0; c < 3; ++c) {
         const double t = face.half_tangent[(c + 1) % 3];
         half_tangents_[h + c] = t;

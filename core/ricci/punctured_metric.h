@@ -7,6 +7,7 @@
 #include "core/base/status.h"
 #include "core/intrinsic/intrinsic_triangulation.h"
 #include "core/ricci/edge_pattern.h"
+#include "core/ricci/scaled_face.h"
 
 namespace moduli {
 
@@ -25,6 +26,9 @@ class PuncturedMetric {
   /// Fails with kNoConvergence for a u that is no number or where flips do not end.
   Status moveTo(Context& context, const Eigen::VectorXd& u);
   void accept();
+
+  /// As CurvatureModel::setBase; per vertex. u() and moveTo() count from it.
+  void setBase(const Eigen::VectorXd& base) { base_ = base; }
 
   /// Takes a vertex off the link whose inner angle is above pi, by a flip of its spoke, and raises
   /// its u so far that the new triangle takes the excess. Moves nothing: call moveTo(u()) next.
@@ -59,11 +63,12 @@ class PuncturedMetric {
   double half(Index h) const;
   void setU(Index v, double value);
   void measure();
+  ScaledFace needle(Index h) const;
 
   IntrinsicTriangulation triangulation_;
   Index infinity_;
   std::size_t accepted_flips_ = 0;
-  Eigen::VectorXd u_;
+  Eigen::VectorXd base_, u_;
   std::vector<double> scale_;
   std::vector<bool> linked_;
   std::vector<Index> work_;

@@ -13,6 +13,7 @@
 #include "core/base/text.h"
 #include "core/intrinsic/delaunay.h"
 #include "core/ricci/newton_system.h"
+#include "core/ricci/prescribe.h"
 #include "core/ricci/punctured_metric.h"
 
 namespace moduli {
@@ -25,6 +26,7 @@ constexpr double kAcceptable = 1e-10;
 constexpr double kStraight = 1e-9;
 /// Relative to the residual of free vertices.
 constexpr double kEarlyRelease = 0.5;
+constexpr double kFineRegion = 1e-4;
 constexpr int kMaxIterations = 100;
 constexpr int kMaxShortenings = 30;
 constexpr int kMaxReleases = 200;
@@ -44,6 +46,13 @@ class Solver {
     keep();
     for (int n = 0; n < kMaxIterations; ++n) {
       bool moved = false;
+      if (!fine_ && residuals_.back() < kFineRegion) {
+        // Changes of u far below its rounding are felt from here on.
+        fine_ = true;
+        base_ = metric_.u();
+        metric_.setBase(base_);
+        RETURN_IF_ERROR(metric_.moveTo(context_, Eigen::VectorXd::Zero(vertices())));
+      }
       if (residuals_.back() > kTolerance) {
         ASSIGN_OR_RETURN(moved, step());
         if (!moved && residuals_.back() > kAcceptable) break;
@@ -55,6 +64,14 @@ class Solver {
   }
 
   const PuncturedMetric& metric() const { return metric_; }
+  /// Per vertex.
+  std::vector<double> factors() const {
+    std::vector<double> u(metric_.u().begin(), metric_.u().end());
+    if (fine_) {
+      for (std::size_t v = 0; v < u.size(); ++v) u[v] += base_[static_cast<Eigen::Index>(v)];
+    }
+    return u;
+  }
   const std::vector<double>& residuals() const { return residuals_; }
 
   double maxLinkAngle() const {
@@ -175,14 +192,28 @@ class Solver {
   Eigen::VectorXd gradient_;
   std::vector<double> residuals_;
   int releases_ = 0;
+  Eigen::VectorXd base_;
+  bool fine_ = false;  ///< u counts from base_.
 };
 
-/// Distances from one vertex along edges, in half chords of the triangulation.
-std::vector<double> edgeDistances(const IntrinsicTriangulation& triangulation, Index source) {
+/// Where the search begins: a triangulation in its discrete conformal class, and factors under
+/// which its metric is sound.
+struct Start {
+  IntrinsicTriangulation triangulation;
+  std::vector<double> u;
+
+  double half(Index h) const {
+    return triangulation.halfChord(h) *
+           std::exp((u[triangulation.tail(h)] + u[triangulation.head(h)]) / 2);
+  }
+};
+
+/// Distances from one vertex along edges, in half chords of the start's metric.
+std::vector<double> edgeDistances(const Start& start, Index source) {
+  const IntrinsicTriangulation& triangulation = start.triangulation;
   std::vector<std::vector<std::pair<Index, double>>> neighbours(triangulation.vertexCount());
   for (Index h = 0; h < triangulation.halfedgeCount(); ++h) {
-    neighbours[triangulation.tail(h)].push_back(
-        {triangulation.head(h), triangulation.halfChord(h)});
+    neighbours[triangulation.tail(h)].push_back({triangulation.head(h), start.half(h)});
   }
   std::vector<double> distance(triangulation.vertexCount(),
                                std::numeric_limits<double>::infinity());
@@ -203,24 +234,53 @@ std::vector<double> edgeDistances(const IntrinsicTriangulation& triangulation, I
   return distance;
 }
 
-/// u = -2 log(half chord to infinity): what the inversion at that vertex does.
-Eigen::VectorXd startFor(const IntrinsicTriangulation& triangulation,
-                         const std::vector<Eigen::Vector3d>& positions, double unit,
-                         Index infinity) {
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(triangulation.vertexCount());
-  const std::vector<double> distance =
-      positions.empty() ? edgeDistances(triangulation, infinity) : std::vector<double>();
+/// What the inversion at a vertex adds to u: -2 log of the half chord to it.
+Eigen::VectorXd invertedFactors(const Start& start, const std::vector<double>& distance,
+                                Index infinity) {
   double smallest = std::numeric_limits<double>::infinity();
-  for (Index h = 0; h < triangulation.halfedgeCount(); ++h) {
-    smallest = std::min(smallest, triangulation.halfChord(h));
+  for (Index h = 0; h < start.triangulation.halfedgeCount(); ++h) {
+    smallest = std::min(smallest, start.half(h));
   }
-  for (Index v = 0; v < triangulation.vertexCount(); ++v) {
+  Eigen::VectorXd u = Eigen::VectorXd::Zero(start.triangulation.vertexCount());
+  for (Index v = 0; v < start.triangulation.vertexCount(); ++v) {
     if (v == infinity) continue;
-    const double d =
-        positions.empty() ? distance[v] : (positions[v] - positions[infinity]).norm() * unit;
-    u[v] = -2 * std::log(std::max(d, smallest / 2));
+    u[v] = start.u[v] + start.u[infinity] - 2 * std::log(std::max(distance[v], smallest / 2));
   }
   return u;
+}
+
+std::vector<double> spaceDistances(const std::vector<Eigen::Vector3d>& positions, double unit,
+                                   Index infinity) {
+  std::vector<double> distance;
+  distance.reserve(positions.size());
+  for (const Eigen::Vector3d& p : positions) {
+    distance.push_back((p - positions[infinity]).norm() * unit);
+  }
+  return distance;
+}
+
+/// The flat metric with three equal cones, far apart: a sound one in every class.
+Result<Start> coneMetric(Context& context, const Connectivity& surface,
+                         const std::vector<double>& lengths, bool initial_delaunay) {
+  const Start given{IntrinsicTriangulation(surface, lengths),
+                    std::vector<double>(surface.vertexCount(), 0.0)};
+  std::vector<double> target(surface.vertexCount(), 0.0);
+  std::vector<double> nearest(surface.vertexCount(), std::numeric_limits<double>::infinity());
+  Index cone = 0;
+  for (int n = 0; n < 3; ++n) {
+    target[cone] = 4 * kPi / 3;
+    const std::vector<double> distance = edgeDistances(given, cone);
+    for (std::size_t v = 0; v < distance.size(); ++v) {
+      nearest[v] = std::min(nearest[v], distance[v]);
+    }
+    cone = static_cast<Index>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin());
+  }
+  PrescribeOptions options;
+  options.initial_delaunay = initial_delaunay;
+  ASSIGN_OR_RETURN(DiscreteMetric metric,
+                   prescribeCurvature(context, surface, lengths, target,
+                                      Unknowns::all(surface.vertexCount()), options));
+  return Start{std::move(metric.triangulation), std::move(metric.u)};
 }
 
 bool hasLoop(const IntrinsicTriangulation& triangulation, Index v) {
@@ -262,8 +322,7 @@ std::vector<Index> candidates(const IntrinsicTriangulation& triangulation,
 PuncturedSphereMetric describe(const Solver& solver) {
   const PuncturedMetric& metric = solver.metric();
   const Index vertices = metric.triangulation().vertexCount();
-  PuncturedSphereMetric result{{Geometry::kEuclidean, metric.triangulation(),
-                                std::vector<double>(metric.u().begin(), metric.u().end()),
+  PuncturedSphereMetric result{{Geometry::kEuclidean, metric.triangulation(), solver.factors(),
                                 metric.scaledHalfChords(), metric.angles(), MetricCertificate()},
                                metric.infinity(),
                                std::vector<bool>(vertices, false),
@@ -291,6 +350,58 @@ PuncturedSphereMetric describe(const Solver& solver) {
   return result;
 }
 
+/// Tries one vertex at infinity after the other.
+template <typename Distances>
+Result<PuncturedSphereMetric> search(Context& context, const Start& start,
+                                     const std::vector<Index>& tries, const Distances& distances) {
+  Status failure{Reason::kNoConvergence, "every vertex that was tried has a loop around it"};
+  for (const Index infinity : tries) {
+    if (hasLoop(start.triangulation, infinity)) continue;
+    Solver solver(context, start.triangulation, infinity);
+    const Status solved = solver.run(invertedFactors(start, distances(infinity), infinity));
+    if (solved.ok()) return describe(solver);
+    if (solved.reason() != Reason::kNoConvergence) return solved;
+    failure = solved;
+  }
+  return failure;
+}
+
+std::vector<Index> triesOf(const PuncturedSphereOptions& options,
+                           const IntrinsicTriangulation& triangulation,
+                           const std::vector<Eigen::Vector3d>& positions) {
+  if (options.infinity != kNone) return {options.infinity};
+  return candidates(triangulation, positions);
+}
+
+Result<PuncturedSphereMetric> fromSpace(Context& context, const Connectivity& surface,
+                                        const std::vector<double>& lengths,
+                                        const std::vector<Eigen::Vector3d>& positions,
+                                        const PuncturedSphereOptions& options) {
+  const double mean =
+      std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
+  const double unit = 1 / (2 * mean);
+  std::vector<double> half_chords = lengths;
+  for (double& length : half_chords) length *= unit;
+  Start start{IntrinsicTriangulation(surface, half_chords),
+              std::vector<double>(surface.vertexCount(), 0.0)};
+  const std::vector<Index> tries = triesOf(options, start.triangulation, positions);
+  if (options.initial_delaunay) {
+    const Context::Stage stage(context, "delaunay");
+    RETURN_IF_ERROR(flipToDelaunayIsometric(context, start.triangulation).status());
+  }
+  return search(context, start, tries,
+                [&](Index infinity) { return spaceDistances(positions, unit, infinity); });
+}
+
+Result<PuncturedSphereMetric> fromCones(Context& context, const Connectivity& surface,
+                                        const std::vector<double>& lengths,
+                                        const PuncturedSphereOptions& options) {
+  ASSIGN_OR_RETURN(const Start start,
+                   coneMetric(context, surface, lengths, options.initial_delaunay));
+  return search(context, start, triesOf(options, start.triangulation, {}),
+                [&](Index infinity) { return edgeDistances(start, infinity); });
+}
+
 }  // namespace
 
 Result<PuncturedSphereMetric> uniformizePuncturedSphere(
@@ -302,28 +413,11 @@ Result<PuncturedSphereMetric> uniformizePuncturedSphere(
                       std::to_string(surface.eulerCharacteristic()) + " and " +
                       std::to_string(surface.vertexCount()) + " vertices"};
   }
-  const double mean =
-      std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
-  const double unit = 1 / (2 * mean);
-  std::vector<double> half_chords = lengths;
-  for (double& length : half_chords) length *= unit;
-  IntrinsicTriangulation triangulation(surface, half_chords);
-  const std::vector<Index> tries = options.infinity != kNone ? std::vector<Index>{options.infinity}
-                                                             : candidates(triangulation, positions);
-  if (options.initial_delaunay) {
-    const Context::Stage stage(context, "delaunay");
-    RETURN_IF_ERROR(flipToDelaunayIsometric(context, triangulation).status());
+  if (!positions.empty()) {
+    Result<PuncturedSphereMetric> found = fromSpace(context, surface, lengths, positions, options);
+    if (found.status().reason() != Reason::kNoConvergence) return found;
   }
-  Status failure{Reason::kNoConvergence, "every vertex that was tried has a loop around it"};
-  for (const Index infinity : tries) {
-    if (hasLoop(triangulation, infinity)) continue;
-    Solver solver(context, triangulation, infinity);
-    const Status solved = solver.run(startFor(triangulation, positions, unit, infinity));
-    if (solved.ok()) return describe(solver);
-    if (solved.reason() != Reason::kNoConvergence) return solved;
-    failure = solved;
-  }
-  return failure;
+  return fromCones(context, surface, lengths, options);
 }
 
 }  // namespace moduli

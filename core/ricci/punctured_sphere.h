@@ -35,7 +35,8 @@ struct PuncturedSphereMetric {
 
 /// surface: closed, connected, of genus 0, with at least 4 vertices. lengths: per edge, proper
 /// triangles. positions: per vertex, in the units of the lengths, for a good start (the inversion
-/// of space that sends the vertex to infinity); empty: distances along edges take their place.
+/// of space that sends the vertex to infinity). Where there are none, or they do not help, the flat
+/// metric with three cones is found first, which exists for all lengths.
 ///
 /// The Ricci energy is minimized under the bounds u_i >= -2 log x_{i, infinity} of all arcs to
 /// infinity, which hold with equality on the polygon: an active-set Newton method, where vertices

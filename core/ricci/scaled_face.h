@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cmath>
+#include <array>
 
 #include "core/intrinsic/geometry.h"
 
@@ -18,6 +18,21 @@ struct ScaledFace {
 /// From half chords. tan(a/2) = r / F(s - x) with r^2 = F(s-x) F(s-y) F(s-z) / F(s), F the
 /// identity, sinh or sin. Source: MATH 6.1.
 ScaledFace scaledFace(Geometry geometry, const TriangleValues& half_chords);
+
+/// Whether a side is so short that rounding the factors of long ones would show in the angles at
+/// it.
+bool isNeedle(const TriangleValues& half_chords);
+
+/// u = base + change, to more digits than their sum has.
+struct FineFactor {
+  double base = 0, change = 0;
+};
+
+/// The same in extended precision, from half chords before scaling: side c runs from corner c to
+/// the next, with factors e^{u / 2} per corner. Angles at a side of a millionth of the others lose
+/// six digits in doubles, of which this gives three back and more.
+ScaledFace scaledNeedle(Geometry geometry, const TriangleValues& half_chords,
+                        const std::array<FineFactor, 3>& factors);
 
 /// What an edge, opposite the angle a_k in one face, adds to the Hessian of the Ricci energy: with
 /// ends i, j the entries (i, i) and (j, j) get `diagonal`, the entry (i, j) gets `mixed`.

@@ -1,13 +1,17 @@
 #include "core/ricci/vertex_scaling.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "core/base/parallel.h"
 #include "core/intrinsic/delaunay.h"
 #include "core/ricci/scaled_face.h"
+#include "core/ricci/vertex_relaxation.h"
 
 namespace moduli {
 namespace {
@@ -15,6 +19,7 @@ namespace {
 constexpr std::size_t kGrain = 4096;
 /// e^{u / 2} and its products with half chords stay far from the ends of a double's range.
 constexpr double kMaxFactor = 600;
+constexpr int kMaxRelaxations = 10;
 
 }  // namespace
 
@@ -34,6 +39,8 @@ VertexScalingModel::VertexScalingModel(Geometry geometry, IntrinsicTriangulation
       flips_(flips),
       on_boundary_(triangulation_.vertexCount(), false),
       accepted_flips_(triangulation_.history().size()),
+      base_(Eigen::VectorXd::Zero(unknowns_.count)),
+      change_(triangulation_.vertexCount(), 0.0),
       scale_(triangulation_.vertexCount(), 1.0),
       scaled_(triangulation_.halfedgeCount()),
       half_tangents_(triangulation_.halfedgeCount()),
@@ -52,7 +59,8 @@ Status VertexScalingModel::moveTo(Context& context, const Eigen::VectorXd& u) {
     return {Reason::kNoConvergence, "a conformal factor leaves the range of numbers"};
   }
   for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
-    scale_[v] = std::exp(u[unknowns_.of_vertex[v]] / 2);
+    change_[v] = u[unknowns_.of_vertex[v]];
+    scale_[v] = std::exp((base_[unknowns_.of_vertex[v]] + change_[v]) / 2);
   }
   if (flips_ == Flips::kOn) {
     const std::size_t before = triangulation_.history().size();
@@ -69,6 +77,47 @@ Status VertexScalingModel::moveTo(Context& context, const Eigen::VectorXd& u) {
   return {};
 }
 
+Result<bool> VertexScalingModel::relax(Context& context, const Eigen::VectorXd& target,
+                                       const std::vector<bool>& fixed, double residual,
+                                       Eigen::VectorXd& u) {
+  if (flips_ == Flips::kOff) return false;
+  const Context::Stage stage(context, "relax");
+  const double above = std::min(1.0, residual);
+  std::optional<VertexRelaxation> relaxation;
+  std::vector<std::vector<Index>> orbits;
+  bool changed = false;
+  for (int round = 0; round < kMaxRelaxations; ++round) {
+    std::vector<Index> bad;
+    for (Index n = 0; n < unknowns_.count; ++n) {
+      if (!fixed.empty() && fixed[n]) continue;
+      if (std::abs(curvature_[n] - target[n]) > above) bad.push_back(n);
+    }
+    if (bad.empty()) break;
+    if (!relaxation) {
+      relaxation.emplace(geometry_, triangulation_, scale_);
+      orbits.resize(unknowns_.count);
+      for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
+        orbits[unknowns_.of_vertex[v]].push_back(v);
+      }
+    }
+    bool moved = false;
+    for (const Index n : bad) {
+      RETURN_IF_ERROR(context.check());
+      ASSIGN_OR_RETURN(const double change,
+                       relaxation->solve(context, orbits[n], target[n], above / 3));
+      if (change == 0) continue;
+      u[n] += change;
+      for (const Index v : orbits[n]) change_[v] = u[n];
+      moved = true;
+    }
+    if (!moved) break;
+    changed = true;
+    pattern_stale_ = true;
+    measure();
+  }
+  return changed;
+}
+
 void VertexScalingModel::measure() {
   const auto faces = static_cast<std::size_t>(triangulation_.faceCount());
   std::vector<char> broken((faces + kGrain - 1) / kGrain, 0);
@@ -82,7 +131,7 @@ void VertexScalingModel::measure() {
         scaled_[h + c] = triangulation_.halfChord(h + c) * pair;
         sides[c] = scaled_[h + c];
       }
-      const ScaledFace face = scaledFace(geometry_, sides);
+      const ScaledFace face = isNeedle(sides) ? needle(h) : scaledFace(geometry_, sides);
       if (!face.proper) broken[begin / kGrain] = 1;
       for (int c = 0; c < 3; ++c) {
         // Side c runs from corner c to the next; the corner opposite is the one after.
@@ -100,6 +149,22 @@ void VertexScalingModel::measure() {
   for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
     curvature_[unknowns_.of_vertex[v]] += at_vertices[v];
   }
+}
+
+ScaledFace VertexScalingModel::needle(Index h) const {
+  TriangleValues sides;
+  std::array<FineFactor, 3> factors;
+  for (int c = 0; c < 3; ++c) {
+    const Index v = triangulation_.tail(h + c);
+    sides[c] = triangulation_.halfChord(h + c);
+    factors[c] = {base_[unknowns_.of_vertex[v]], change_[v]};
+  }
+  return scaledNeedle(geometry_, sides, factors);
+}
+
+bool VertexScalingModel::setBase(const Eigen::VectorXd& base) {
+  base_ = base;
+  return true;
 }
 
 std::vector<double> VertexScalingModel::vertexCurvatures() const {

@@ -7,6 +7,7 @@
 #include "core/intrinsic/intrinsic_triangulation.h"
 #include "core/ricci/curvature_model.h"
 #include "core/ricci/edge_pattern.h"
+#include "core/ricci/scaled_face.h"
 
 namespace moduli {
 
@@ -40,6 +41,10 @@ class VertexScalingModel : public CurvatureModel {
   /// O(F) and the flips; fails also with kNoConvergence where |u| is beyond 600 or a triangle has
   /// no angles: hyperbolic sides of hundreds, spherical ones that do not fit on the sphere.
   Status moveTo(Context& context, const Eigen::VectorXd& u) override;
+  /// With flips only. Source: vertex_relaxation.h.
+  Result<bool> relax(Context& context, const Eigen::VectorXd& target,
+                     const std::vector<bool>& fixed, double residual, Eigen::VectorXd& u) override;
+  bool setBase(const Eigen::VectorXd& base) override;
   void accept() override { accepted_flips_ = triangulation_.history().size(); }
   const Eigen::VectorXd& curvature() const override { return curvature_; }
   const SparseMatrix& hessian() override;
@@ -59,6 +64,7 @@ class VertexScalingModel : public CurvatureModel {
 
  private:
   void measure();
+  ScaledFace needle(Index h) const;
 
   Geometry geometry_;
   IntrinsicTriangulation triangulation_;
@@ -66,6 +72,8 @@ class VertexScalingModel : public CurvatureModel {
   Flips flips_;
   std::vector<bool> on_boundary_;
   std::size_t accepted_flips_ = 0;
+  Eigen::VectorXd base_;                                 ///< Per unknown: u counts from here.
+  std::vector<double> change_;                           ///< u per vertex.
   std::vector<double> scale_;                            ///< e^{u/2} per vertex.
   std::vector<double> scaled_, half_tangents_, angles_;  ///< Per halfedge; of the corner at tail.
   bool proper_ = true;

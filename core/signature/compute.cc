@@ -13,6 +13,7 @@
 #include "core/forms/torus_period.h"
 #include "core/intrinsic/chordal_metric.h"
 #include "core/intrinsic/mollify.h"
+#include "core/ricci/uniformize.h"
 #include "core/signature/amplitudes.h"
 #include "core/signature/conformal_block.h"
 #include "core/signature/mean_curvature.h"
@@ -133,6 +134,26 @@ class SignatureBuilder {
     certificate.period_symmetry_residual = certified.period_symmetry_residual;
     certificate.warnings.insert(certificate.warnings.end(), certified.warnings.begin(),
                                 certified.warnings.end());
+    return topology.euler_characteristic < 0 ? certifyHyperbolic() : Status();
+  }
+
+  Status certifyHyperbolic() {
+    UniformizeOptions options;
+    const bool euclidean = intrinsic_ == nullptr || intrinsic_->geometry == Geometry::kEuclidean;
+    options.initial_delaunay = options_.initial_delaunay && euclidean;
+    const Result<Uniformization> found = uniformize(context_, surface(), lengths_, options);
+    SignatureCertificate& certificate = signature_.certificate;
+    if (found.status().reason() == Reason::kNoConvergence) {
+      certificate.warnings.push_back("NO_HYPERBOLIC_METRIC: " + found.status().message());
+      return {};
+    }
+    RETURN_IF_ERROR(found.status());
+    const MetricCertificate& metric = found->metric.certificate;
+    certificate.curvature_residual = metric.curvature_residual;
+    certificate.gauss_bonnet_residual = metric.gauss_bonnet_residual;
+    certificate.newton_iterations = metric.newton_iterations;
+    certificate.flips = metric.flips;
+    certificate.smallest_angle = metric.smallest_angle;
     return {};
   }
 

@@ -11,6 +11,10 @@ namespace moduli {
 
 struct SignatureOptions {
   std::optional<Space> space;  ///< Only this space and the work that it needs; empty: all three.
+  /// Whether the hyperbolic metric starts from the intrinsic Delaunay triangulation of a mesh, or
+  /// from its own edges, whose discrete conformal class no Möbius map of space changes. Intrinsic
+  /// triangulations that are not Euclidean start from their own edges in any case.
+  bool initial_delaunay = true;
 };
 
 /// Signature of a connected oriented manifold surface. The conformal block is there for every
@@ -18,6 +22,9 @@ struct SignatureOptions {
 /// 0 and 1, and elsewhere a warning says that they are missing. The metric is the polyhedral one,
 /// mollified where faces have no area; the metric and shape blocks compare it with the canonical
 /// one, unit sphere or flat torus, both scaled to area 4 pi.
+///
+/// Where the Euler characteristic is negative the certificate judges the hyperbolic metric of the
+/// surface (of its double).
 ///
 /// Orientation counts: turned inside out, a surface keeps its conformal factor and the power of its
 /// mean curvature, the cross spectrum changes sign, tau becomes -conj(tau), a period matrix -conj
@@ -28,8 +35,8 @@ struct SignatureOptions {
 /// topologies than those two), kFoldedMap where the linear sphere map folds, kResidualTooLarge (a
 /// sphere map that is not centred to 1e-9, a holomorphic form of a torus that does not close to
 /// 1e-8 of a mean edge or whose area check fails by more than one half), and as the solvers do.
-/// Same input, same bytes; one space has the same bytes alone as among all three. About 4 F, and
-/// some 50 ms whatever the size. Source: MATH 3 to 5, 8.2 to 8.4.
+/// Same input, same bytes; one space has the same bytes alone as among all three. About 4 F, 8 F
+/// with a hyperbolic metric, and some 50 ms whatever the size. Source: MATH 3 to 5, 8.2 to 8.4.
 Result<Signature> computeSignature(Context& context, const PreparedMesh& prepared,
                                    const SignatureOptions& options = {});
 

@@ -80,6 +80,9 @@ struct SearchVectors {
 struct SignatureCertificate {
   std::optional<double> riemann_bilinear_residual;
   std::optional<double> period_symmetry_residual;
+  std::optional<double> curvature_residual, gauss_bonnet_residual;  ///< Hyperbolic metric, radians.
+  std::optional<int> flips;
+  std::optional<double> smallest_angle;  ///< Of the hyperbolic triangulation, radians.
   std::optional<double> layout_closure;
   std::optional<int> flipped_faces;
   std::optional<double> max_dilatation, mean_dilatation;

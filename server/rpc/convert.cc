@@ -137,6 +137,14 @@ v1::SignatureCertificate toProto(const SignatureCertificate& certificate) {
   if (certificate.period_symmetry_residual) {
     message.set_period_symmetry_residual(*certificate.period_symmetry_residual);
   }
+  if (certificate.curvature_residual) {
+    message.set_curvature_residual(*certificate.curvature_residual);
+  }
+  if (certificate.gauss_bonnet_residual) {
+    message.set_gauss_bonnet_residual(*certificate.gauss_bonnet_residual);
+  }
+  if (certificate.flips) message.set_flips(*certificate.flips);
+  if (certificate.smallest_angle) message.set_smallest_angle(*certificate.smallest_angle);
   if (certificate.layout_closure) message.set_layout_closure(*certificate.layout_closure);
   if (certificate.flipped_faces) message.set_flipped_faces(*certificate.flipped_faces);
   if (certificate.max_dilatation) message.set_max_dilatation(*certificate.max_dilatation);
@@ -155,6 +163,14 @@ SignatureCertificate fromProto(const v1::SignatureCertificate& message) {
   if (message.has_period_symmetry_residual()) {
     certificate.period_symmetry_residual = message.period_symmetry_residual();
   }
+  if (message.has_curvature_residual()) {
+    certificate.curvature_residual = message.curvature_residual();
+  }
+  if (message.has_gauss_bonnet_residual()) {
+    certificate.gauss_bonnet_residual = message.gauss_bonnet_residual();
+  }
+  if (message.has_flips()) certificate.flips = message.flips();
+  if (message.has_smallest_angle()) certificate.smallest_angle = message.smallest_angle();
   if (message.has_layout_closure()) certificate.layout_closure = message.layout_closure();
   if (message.has_flipped_faces()) certificate.flipped_faces = message.flipped_faces();
   if (message.has_max_dilatation()) certificate.max_dilatation = message.max_dilatation();

@@ -73,15 +73,15 @@ Result<BoundaryRule> boundaryRule(v1::ParameterizationOptions::Boundary wanted,
                                   const Connectivity& surface) {
   using Options = v1::ParameterizationOptions;
   if (wanted == Options::STRAIGHT) return BoundaryRule::kStraight;
+  if (wanted == Options::CIRCLE) return BoundaryRule::kCircle;
   for (std::size_t i = 0; i < cones.size(); ++i) {
     if (!surface.isBoundaryVertex(cones[i].vertex)) continue;
     if (wanted == Options::BOUNDARY_UNSPECIFIED) return BoundaryRule::kStraight;
     return refuse(messages[static_cast<int>(i)],
-                  " is on the boundary, whose curvatures the rule " +
-                      Options::Boundary_Name(wanted) + " sets itself",
-                  "take the rule STRAIGHT (--boundary straight), or leave the cone out");
+                  " is on the boundary, and a free one takes the curvature that comes out",
+                  "ask for a straight boundary or a circle, or leave the cone out");
   }
-  return wanted == Options::FREE ? BoundaryRule::kFree : BoundaryRule::kCircle;
+  return BoundaryRule::kFree;
 }
 
 }  // namespace moduli

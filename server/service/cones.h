@@ -21,8 +21,8 @@ using ConeMessages = google::protobuf::RepeatedPtrField<v1::Cone>;
 Result<std::vector<Cone>> conesOnSurface(const ConeMessages& cones, const Connectivity& surface,
                                          const VertexPlaces& places);
 
-/// The rule that a request asks for. Fails with kInvalidOption for cones on a boundary whose
-/// curvatures the rule itself sets. O(cones).
+/// The rule that a request asks for; unspecified: straight where a cone is on the boundary, free
+/// elsewhere. Fails with kInvalidOption for cones on a free boundary. O(cones).
 Result<BoundaryRule> boundaryRule(v1::ParameterizationOptions::Boundary wanted,
                                   const ConeMessages& messages, const std::vector<Cone>& cones,
                                   const Connectivity& surface);

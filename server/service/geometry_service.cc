@@ -53,9 +53,11 @@ Result<v1::InspectMeshResponse> inspect(Context& context, const Backend& backend
 Result<v1::ComputeSignatureResponse> sign(Context& context, const Backend& backend,
                                           const v1::ComputeSignatureRequest& request) {
   ASSIGN_OR_RETURN(const MeshFile file, loadMesh(context, backend, request.source()));
-  ASSIGN_OR_RETURN(
-      const Signature signature,
-      signMesh(context, backend, file, fromProto(request.prepare()), fromProto(request.space())));
+  SignatureOptions options;
+  options.space = fromProto(request.space());
+  if (request.has_initial_delaunay()) options.initial_delaunay = request.initial_delaunay();
+  ASSIGN_OR_RETURN(const Signature signature,
+                   signMesh(context, backend, file, fromProto(request.prepare()), options));
   v1::ComputeSignatureResponse response;
   *response.mutable_signature() = toProto(signature);
   return response;

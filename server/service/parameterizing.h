@@ -15,7 +15,9 @@
 /// From a request for a parameterization to what is sent back.
 namespace moduli {
 
-/// A surface with its map to the plane, in the numbering of the input.
+/// A surface with its map to the plane, in the numbering of the input. Of an intrinsic
+/// triangulation, which has no positions, it is the image in the plane itself: a vertex (x, y, 0)
+/// for every point.
 struct ParameterizedSurface {
   std::vector<Eigen::Vector3d> positions;    ///< Of all vertices of the input.
   std::vector<Triangle> faces;               ///< All faces of the input.

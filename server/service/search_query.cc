@@ -27,8 +27,9 @@ Result<Signature> querySignature(Context& context, const Backend& backend, const
   ASSIGN_OR_RETURN(const MeshFile file, loadMesh(context, backend, request.source()));
   // Shape space stands on the metric block too; with both at hand, in double precision, the
   // distance of a shape from itself is exactly 0.
-  const auto only = space == Space::kShape ? std::nullopt : std::optional(space);
-  return signMesh(context, backend, file, fromProto(request.prepare()), only);
+  SignatureOptions options;
+  if (space != Space::kShape) options.space = space;
+  return signMesh(context, backend, file, fromProto(request.prepare()), options);
 }
 
 const std::vector<float>& vectorOf(const SearchVectors& vectors, Space space) {

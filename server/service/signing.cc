@@ -66,18 +66,18 @@ Status checkIntrinsicPrepare(const PrepareOptions& prepare) {
 }
 
 Result<Signature> signMesh(Context& context, const Backend& backend, const MeshFile& file,
-                           const PrepareOptions& prepare, std::optional<Space> space) {
+                           const PrepareOptions& prepare, const SignatureOptions& options) {
   std::optional<PreparedMesh> prepared;
   {
     ASSIGN_OR_RETURN(const ParsedSurface parsed, parseSurface(context, backend, file));
     if (const auto* intrinsic = std::get_if<IntrinsicSurface>(&parsed)) {
       RETURN_IF_ERROR(checkIntrinsicPrepare(prepare));
-      return computeIntrinsicSignature(context, *intrinsic, {.space = space});
+      return computeIntrinsicSignature(context, *intrinsic, options);
     }
     Context::Stage stage(context, "prepare");
     ASSIGN_OR_RETURN(prepared, prepareMesh(context, std::get<TriangleSoup>(parsed), prepare));
   }
-  return computeSignature(context, *prepared, {.space = space});
+  return computeSignature(context, *prepared, options);
 }
 
 }  // namespace moduli

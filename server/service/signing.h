@@ -10,6 +10,7 @@
 #include "core/mesh/format.h"
 #include "core/mesh/prepare.h"
 #include "core/mesh/triangle_soup.h"
+#include "core/signature/compute.h"
 #include "core/signature/signature.h"
 #include "moduli/v1/mesh.pb.h"
 #include "server/service/backend.h"
@@ -32,15 +33,16 @@ Result<MeshFile> loadMesh(Context& context, const Backend& backend, const v1::Me
 /// What a file holds: a mesh, or, in a JSON file, an intrinsic triangulation.
 using ParsedSurface = std::variant<TriangleSoup, IntrinsicSurface>;
 
-/// Parses a file, within the server's limit of faces. Fails as readMesh or readIntrinsicJson does.
+/// Parses a file, within the server's limit of faces. Fails as readMesh or readIntrinsicJson
+/// does.
 Result<ParsedSurface> parseSurface(Context& context, const Backend& backend, const MeshFile& file);
 
 /// Fails with kInvalidOption where `prepare` asks of an intrinsic triangulation what only a mesh
 /// can undergo, and with kComponentNotFound where it names another component than the one there is.
 Status checkIntrinsicPrepare(const PrepareOptions& prepare);
 
-/// Parses, prepares and signs. space: only this one and the work that it needs.
+/// Parses, prepares and signs.
 Result<Signature> signMesh(Context& context, const Backend& backend, const MeshFile& file,
-                           const PrepareOptions& prepare, std::optional<Space> space);
+                           const PrepareOptions& prepare, const SignatureOptions& options);
 
 }  // namespace moduli

@@ -1,8 +1,10 @@
-// moduli_bench [google-benchmark flags] [MESH...]: what every stage costs, in F.
+// moduli_bench [google-benchmark flags] [--refine FACES] [MESH...]: what every stage costs, in F.
 //
 // F is the time of one CHOLMOD analyse + factorize + solve of the same mesh's cotan Laplacian in
 // the same run (yardstick.h). The counters named after stages, and `F` for a whole benchmark, are
 // multiples of it. Without meshes, sample surfaces are measured.
+// --refine cuts the faces of the meshes that follow in four and moves the vertices a little, as
+// long as there are no more than FACES faces then.
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -22,11 +24,14 @@
 #include <thread>
 #include <vector>
 
+#include "core/intrinsic/mollify.h"
 #include "core/mesh/prepare.h"
 #include "core/mesh/read.h"
 #include "core/mesh/samples.h"
 #include "core/mesh/write.h"
 #include "core/retrieval/vector_index.h"
+#include "core/ricci/punctured_sphere.h"
+#include "core/ricci/uniformize.h"
 #include "core/signature/compute.h"
 #include "tests/bench/yardstick.h"
 
@@ -185,6 +190,37 @@ void benchSignature(benchmark::State& state, const std::shared_ptr<Case>& mesh) 
   for (const auto& [stage, seconds] : stages) count(state, stage, seconds, *mesh);
 }
 
+/// The metric of constant curvature: closed surfaces through their own faces (a sphere through
+/// infinity), bordered ones of negative Euler characteristic through their doubles.
+void benchUniformize(benchmark::State& state, const std::shared_ptr<Case>& mesh) {
+  const Connectivity& surface = mesh->prepared.mesh.connectivity();
+  const auto mollified = mollify(surface, mesh->prepared.mesh.edgeLengths());
+  MetricCertificate certificate;
+  std::map<std::string, double> stages;
+  runTimed(state, *mesh, [&]() -> Status {
+    Context context;
+    RETURN_IF_ERROR(mollified.status());
+    if (surface.eulerCharacteristic() == 2) {
+      ASSIGN_OR_RETURN(const PuncturedSphereMetric found,
+                       uniformizePuncturedSphere(context, surface, mollified->lengths,
+                                                 mesh->prepared.mesh.positions()));
+      certificate = found.metric.certificate;
+    } else {
+      ASSIGN_OR_RETURN(const Uniformization found,
+                       uniformize(context, surface, mollified->lengths));
+      certificate = found.metric.certificate;
+    }
+    for (const auto& [stage, seconds] : context.timing()) stages[stage] += seconds;
+    return {};
+  });
+  for (const auto& [stage, seconds] : stages) count(state, stage, seconds, *mesh);
+  state.counters["steps"] = certificate.newton_iterations;
+  state.counters["flips"] = certificate.flips;
+  state.counters["residual"] = certificate.curvature_residual;
+  state.counters["faces"] = surface.faceCount();
+  state.counters["chi"] = surface.eulerCharacteristic();
+}
+
 void registerMesh(const std::shared_ptr<Case>& mesh) {
   const auto add = [&](const char* stage,
                        void (*body)(benchmark::State&, const std::shared_ptr<Case>&)) {
@@ -197,6 +233,9 @@ void registerMesh(const std::shared_ptr<Case>& mesh) {
   add("read", benchRead);
   add("prepare", benchPrepare);
   add("conformal", benchConformal);
+  if (mesh->prepared.mesh.connectivity().eulerCharacteristic() != 1) {
+    add("uniformize", benchUniformize);
+  }
   add("signature", benchSignature);
 }
 
@@ -232,11 +271,52 @@ void benchSearch(benchmark::State& state) {
   }
 }
 
-Result<std::shared_ptr<Case>> loadFile(const std::string& path) {
+/// Every face cut in four at the middles of its edges; all vertices moved by up to a tenth of the
+/// mean edge.
+void refineOnce(TriangleSoup& soup, std::mt19937& random) {
+  std::map<std::pair<Index, Index>, Index> middles;
+  double total = 0;
+  const auto middle = [&](Index a, Index b) {
+    const auto [entry, fresh] =
+        middles.emplace(std::minmax(a, b), static_cast<Index>(soup.vertices.size()));
+    if (fresh) {
+      total += (soup.vertices[a] - soup.vertices[b]).norm();
+      soup.vertices.push_back((soup.vertices[a] + soup.vertices[b]) / 2);
+    }
+    return entry->second;
+  };
+  std::vector<Triangle> faces;
+  for (const auto& [a, b, c] : soup.faces) {
+    const Index ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    faces.insert(faces.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
+  }
+  soup.faces = std::move(faces);
+  const double reach = 0.1 * total / 2 / static_cast<double>(middles.size());
+  for (Eigen::Vector3d& p : soup.vertices) {
+    for (int k = 0; k < 3; ++k) p[k] += reach * (static_cast<double>(random()) / 2147483648.0 - 1);
+  }
+}
+
+Result<std::string> refined(const std::string& name, const std::string& bytes, std::size_t faces) {
+  Context context;
+  ReadOptions options;
+  options.name = name;
+  ASSIGN_OR_RETURN(TriangleSoup soup, readMesh(context, bytes, options));
+  std::mt19937 random(1);
+  while (4 * soup.faces.size() <= faces) refineOnce(soup, random);
+  return writeMesh(soup, MeshFormat::kPly, Encoding::kBinary);
+}
+
+Result<std::shared_ptr<Case>> loadFile(const std::string& path, std::size_t refine) {
   std::ifstream in(path, std::ios::binary);
   if (!in) return Status(Reason::kFileNotFound, path + ": cannot be opened");
   std::string bytes((std::istreambuf_iterator<char>(in)), {});
-  return makeCase(path.substr(path.find_last_of('/') + 1), std::move(bytes));
+  std::string name = path.substr(path.find_last_of('/') + 1);
+  if (refine > 0) {
+    ASSIGN_OR_RETURN(bytes, refined(name, bytes, refine));
+    name += "-" + std::to_string(refine);
+  }
+  return makeCase(name, std::move(bytes));
 }
 
 Result<std::shared_ptr<Case>> loadSample(const std::string& kind, double resolution) {
@@ -258,7 +338,14 @@ bool registerCase(const Result<std::shared_ptr<Case>>& mesh) {
 int runAll(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   bool good = true;
-  for (int i = 1; i < argc; ++i) good &= registerCase(loadFile(argv[i]));
+  std::size_t refine = 0;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string(argv[i]) == "--refine" && i + 1 < argc) {
+      refine = std::strtoul(argv[++i], nullptr, 10);
+    } else {
+      good &= registerCase(loadFile(argv[i], refine));
+    }
+  }
   if (argc == 1) {
     good &= registerCase(loadSample("sphere", 45)) && registerCase(loadSample("torus", 100)) &&
             registerCase(loadSample("genus", 16)) && registerCase(loadSample("annulus", 40));

@@ -88,6 +88,21 @@ TEST_F(JsonOutput, SignatureOfAPretzelHasItsPeriods) {
   EXPECT_EQ(json["certificate"]["mollification"].number(), 0);
 }
 
+TEST_F(JsonOutput, SignatureOfAPretzelCertifiesItsHyperbolicMetric) {
+  sample("p.off", {"genus", "genus=2", "resolution=4"});
+  for (const char* start : {"on", "off"}) {
+    const Json json = this->json({"signature", "p.off", "--initial-delaunay", start});
+    const Json certificate = json["certificate"];
+    EXPECT_LE(certificate["curvature_residual"].number(), 1e-10);
+    EXPECT_LE(certificate["gauss_bonnet_residual"].number(), 1e-9);
+    EXPECT_LE(certificate["newton_iterations"].number(), 30);
+    EXPECT_GE(certificate["flips"].number(), 0);
+    EXPECT_GT(certificate["smallest_angle"].number(), 0);
+  }
+  sample("t.off", {"torus", "resolution=16"});
+  EXPECT_FALSE(json({"signature", "t.off"})["certificate"].has("curvature_residual"));
+}
+
 TEST_F(JsonOutput, SignatureOfARingHasItsModulus) {
   sample("r.off", {"annulus", "resolution=8"});
   const Json block = this->json({"signature", "r.off"})["conformal"];

@@ -51,6 +51,36 @@ TEST_P(SpdSolverTest, RefactorizeSolvesWithTheNewValues) {
   EXPECT_LT((*after * 4.0 - *before).cwiseAbs().maxCoeff(), 1e-12);
 }
 
+// An edge of a graph flipped: another pattern of the same size.
+TEST_P(SpdSolverTest, ReanalyzeSolvesAnotherPatternAndRefactorizesItThen) {
+  auto solver = make(gridLaplacian({20, 30, 1}, 0.1));
+  ASSERT_OK(solver);
+  const SparseMatrix other = gridLaplacian({30, 20, 1}, 0.2);
+  const Eigen::MatrixXd b = randomMatrix(other.rows(), 2, 2);
+  for (const double factor : {1.0, 4.0}) {
+    const SparseMatrix matrix = other * factor;
+    ASSERT_OK(factor == 1 ? solver->reanalyze(context_, matrix)
+                          : solver->refactorize(context_, matrix));
+    const auto x = solver->solve(context_, b);
+    ASSERT_OK(x);
+    // A diagonally dominant system with excess 0.2: the inverse has norm 5.
+    EXPECT_LT((matrix.selfadjointView<Eigen::Lower>() * *x - b).cwiseAbs().maxCoeff(), 1e-12);
+  }
+}
+
+TEST_P(SpdSolverTest, ReanalyzeRefusesAnotherSizeAndRecoversFromAnIndefiniteMatrix) {
+  const SparseMatrix matrix = gridLaplacian({5, 6, 1}, 0.1);
+  auto solver = make(matrix);
+  ASSERT_OK(solver);
+  EXPECT_THAT(solver->reanalyze(context_, gridLaplacian({5, 7, 1}, 0.1)),
+              FailsWith(Reason::kInvalidOption));
+  EXPECT_THAT(solver->reanalyze(context_, SparseMatrix(matrix * -1.0)),
+              FailsWith(Reason::kNotPositiveDefinite));
+  EXPECT_FALSE(solver->solve(context_, Eigen::MatrixXd::Ones(30, 1)).ok());
+  EXPECT_OK(solver->reanalyze(context_, matrix));
+  EXPECT_OK(solver->solve(context_, Eigen::MatrixXd::Ones(30, 1)));
+}
+
 TEST_P(SpdSolverTest, RefactorizeRefusesAnotherPattern) {
   auto solver = make(gridLaplacian({5, 6, 1}, 0.1));
   ASSERT_OK(solver);

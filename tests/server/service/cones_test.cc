@@ -1,13 +1,18 @@
 #include "server/service/cones.h"
 
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
 #include <numbers>
 
 #include "server/rpc/convert_parameterization.h"
+#include "server/service/parameterizing.h"
 #include "server/service/request.h"
 #include "tests/core/mesh/shapes.h"
 #include "tests/core/testing.h"
 
-/// Cones and options of a request, before anything is computed.
+/// Cones and options of a request before anything is computed, and what is sent after it.
 namespace moduli {
 namespace {
 
@@ -117,7 +122,7 @@ TEST(Cones, FollowARepair) {
 TEST(BoundaryRules, AreAsWantedWhereNoConeIsInTheirWay) {
   const Stage stage(shapes::disk());
   const std::vector<Cone> none;
-  EXPECT_EQ(*stage.rule(Options::BOUNDARY_UNSPECIFIED, none), BoundaryRule::kCircle);
+  EXPECT_EQ(*stage.rule(Options::BOUNDARY_UNSPECIFIED, none), BoundaryRule::kFree);
   EXPECT_EQ(*stage.rule(Options::CIRCLE, none), BoundaryRule::kCircle);
   EXPECT_EQ(*stage.rule(Options::STRAIGHT, none), BoundaryRule::kStraight);
   EXPECT_EQ(*stage.rule(Options::FREE, none), BoundaryRule::kFree);
@@ -127,10 +132,10 @@ TEST(BoundaryRules, AConeOnTheBoundaryWantsItStraight) {
   const Stage stage(shapes::disk());
   EXPECT_EQ(*stage.rule(Options::BOUNDARY_UNSPECIFIED, {{0, kPi / 2}}), BoundaryRule::kStraight);
   EXPECT_EQ(*stage.rule(Options::STRAIGHT, {{0, kPi / 2}}), BoundaryRule::kStraight);
-  const auto circle = stage.rule(Options::CIRCLE, {{0, kPi / 2}});
-  EXPECT_THAT(circle, FailsWith(Reason::kInvalidOption));
-  EXPECT_THAT(circle.status().message(), HasSubstr("vertex 0 is on the boundary"));
-  EXPECT_THAT(stage.rule(Options::FREE, {{0, kPi / 2}}), FailsWith(Reason::kInvalidOption));
+  EXPECT_EQ(*stage.rule(Options::CIRCLE, {{0, kPi / 2}}), BoundaryRule::kCircle);
+  const auto free = stage.rule(Options::FREE, {{0, kPi / 2}});
+  EXPECT_THAT(free, FailsWith(Reason::kInvalidOption));
+  EXPECT_THAT(free.status().message(), HasSubstr("vertex 0 is on the boundary"));
 }
 
 TEST(ParameterizationMessages, WhatIsUnspecifiedHasItsDefault) {
@@ -196,6 +201,40 @@ TEST(ParameterizationRequests, AreRefusedByField) {
   options.mutable_cones(1)->set_vertex(1);
   options.mutable_cones(1)->set_curvature(std::nan(""));
   EXPECT_EQ(field(options), "options.cones[1].curvature");
+}
+
+TEST(ParameterizationParts, AreChunksOfAtMostAMebibyteAndTheResultLast) {
+  auto surface = std::make_shared<ParameterizedSurface>();
+  for (int i = 0; i < 100'000; ++i) surface->positions.emplace_back(i, 0.5 * i, -i);
+  surface->faces = {{0, 1, 2}};
+  surface->corners = {{kNone, kNone, kNone}};
+  surface->result.set_target(Options::FLAT);
+  const auto next = parameterizationParts(surface, false);
+  std::string positions;
+  std::vector<v1::ArrayChunk> chunks;
+  auto part = next();
+  for (; part && part->has_array(); part = next()) {
+    EXPECT_LE(part->array().data().size(), kMaxChunkBytes);
+    if (part->array().array() == v1::ArrayChunk::POSITIONS) {
+      EXPECT_EQ(part->array().offset(), static_cast<std::int64_t>(positions.size()));
+      EXPECT_EQ(part->array().rows(), 100'000);
+      positions += part->array().data();
+    }
+    chunks.push_back(part->array());
+  }
+  ASSERT_TRUE(part && part->has_parameterization());
+  EXPECT_EQ(part->parameterization().target(), Options::FLAT);
+  EXPECT_FALSE(next());
+  ASSERT_EQ(chunks.size(), 6U) << "three of positions, one of each other array";
+  ASSERT_EQ(positions.size(), 2'400'000U);
+  EXPECT_EQ(std::memcmp(positions.data(), surface->positions.data(), positions.size()), 0);
+  EXPECT_EQ(chunks[4].array(), v1::ArrayChunk::POINTS);
+  EXPECT_EQ(chunks[4].rows(), 0) << "an empty array tells its shape";
+  EXPECT_EQ(chunks[5].data(), std::string(12, '\xFF'));
+
+  const auto alone = parameterizationParts(surface, true);
+  EXPECT_TRUE(alone()->has_parameterization());
+  EXPECT_FALSE(alone());
 }
 
 }  // namespace

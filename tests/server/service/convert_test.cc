@@ -167,6 +167,7 @@ TEST(Convert, OptionsAndEnumsTravelThereAndBack) {
   EXPECT_EQ(fromProto(v1::Signature::SPACE_UNSPECIFIED), std::nullopt);
   EXPECT_EQ(fromProto(static_cast<v1::Signature::Space>(99)), std::nullopt);
   EXPECT_EQ(fromProto(toProto(MeshFormat::kStl)), MeshFormat::kStl);
+  EXPECT_EQ(fromProto(toProto(MeshFormat::kJson)), MeshFormat::kJson);
   EXPECT_EQ(fromProto(v1::MeshSource::FORMAT_UNSPECIFIED), std::nullopt);
 }
 

@@ -1,6 +1,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/intrinsic/intrinsic_json.h"
+#include "core/intrinsic/intrinsic_samples.h"
 #include "core/signature/signature.h"
 #include "tests/server/service/fixture.h"
 
@@ -149,6 +151,7 @@ TEST_F(GeometryTest, TheSameDefectAlwaysHasTheSameReason) {
       {"no mesh at all", Reason::kUnknownFormat},
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n", Reason::kTruncatedFile},
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", Reason::kIndexOutOfRange},
+      {"{\"format\": 1}", Reason::kSyntaxError},
       {"OFF\n3 1 0\n0 0 0\n1 0 zero\n0 1 0\n3 0 1 2\n", Reason::kSyntaxError},
       {"OFF\n3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n", Reason::kNonFiniteCoordinate},
       {"OFF\n" + square + "3 0 1 2\n3 0 2 2\n", Reason::kDegenerateFace},
@@ -183,6 +186,33 @@ TEST_F(GeometryTest, EveryTopologyHasItsConformalBlock) {
   EXPECT_EQ(plate.type(), Type::CIRCLE_DOMAIN);
   EXPECT_EQ(plate.period_matrix().size(), 3);
   EXPECT_EQ(blockOf("disk", {{"resolution", 4}}).type(), Type::DISK);
+}
+
+TEST_F(GeometryTest, IntrinsicTriangulationsAreInspectedAndSigned) {
+  const auto bolza = makeIntrinsicSample("bolza");
+  ASSERT_OK(bolza);
+  v1::MeshSource source = inlineSource(writeIntrinsicJson(*bolza), "bolza.json");
+  const auto inspection = inspect(source);
+  ASSERT_OK(inspection);
+  EXPECT_TRUE(inspection->valid());
+  EXPECT_EQ(inspection->topology().genus(), 2);
+  source.set_format(v1::MeshSource::JSON);
+  const auto signature = peer_->sign(source);
+  ASSERT_OK(signature);
+  EXPECT_EQ(signature->conformal().type(), v1::ConformalBlock::HYPERBOLIC);
+  EXPECT_FALSE(signature->has_metric());
+  EXPECT_FALSE(signature->has_shape());
+  EXPECT_THAT(peer_->sign(source, v1::Signature::SHAPE), FailsWith(Reason::kUnsupportedContent));
+  source.set_format(v1::MeshSource::OFF);
+  EXPECT_THAT(peer_->sign(source), FailsWith(Reason::kSyntaxError));
+
+  ASSERT_OK(peer_->ingest(ingestHeader("c"), {ingestItemOf(0, "b", source.inline_())}));
+  const auto stored = peer_->getShape("collections/c/shapes/b");
+  ASSERT_OK(stored);
+  EXPECT_EQ(stored->format(), v1::MeshSource::JSON);
+  const auto again = peer_->sign(shapeSource("collections/c/shapes/b"));
+  ASSERT_OK(again);
+  EXPECT_EQ(again->conformal().SerializeAsString(), signature->conformal().SerializeAsString());
 }
 
 TEST_F(GeometryTest, WrongRequestsNameTheirField) {

@@ -78,18 +78,18 @@ class ParameterizeTest : public ServiceTest {
 };
 
 TEST_F(ParameterizeTest, SendsTheWholeSurfaceAndAPointForEveryCorner) {
-  // 40,000 vertices: positions and faces take several chunks each.
-  const auto answer = call(flatRequest(digestSource(*peer_->upload(flatTorus(142)))));
+  // 45,000 vertices: positions and faces take several chunks each.
+  const auto answer = call(flatRequest(digestSource(*peer_->upload(flatTorus(150)))));
   ASSERT_OK(answer);
   ASSERT_EQ(answer->arrays.size(), 4U);
   const Received& positions = answer->arrays.at(v1::ArrayChunk::POSITIONS);
   const Received& faces = answer->arrays.at(v1::ArrayChunk::FACES);
   const Received& points = answer->arrays.at(v1::ArrayChunk::POINTS);
   const Received& corners = answer->arrays.at(v1::ArrayChunk::CORNERS);
-  EXPECT_EQ(positions.rows, 40328);
-  EXPECT_EQ(positions.bytes.size(), 40328U * 3 * 8);
-  EXPECT_EQ(faces.rows, 80656);
-  EXPECT_EQ(faces.bytes.size(), 80656U * 3 * 4);
+  EXPECT_EQ(positions.rows, 45000);
+  EXPECT_EQ(positions.bytes.size(), 45000U * 3 * 8);
+  EXPECT_EQ(faces.rows, 90000);
+  EXPECT_EQ(faces.bytes.size(), 90000U * 3 * 4);
   EXPECT_EQ(points.columns, 2);
   EXPECT_EQ(points.bytes.size(), static_cast<std::size_t>(points.rows) * 2 * 8);
   EXPECT_EQ(corners.rows, faces.rows);
@@ -242,7 +242,7 @@ TEST_F(OneThreadTest, ADeadlineIsAnsweredInTime) {
 }
 
 TEST_F(OneThreadTest, AReaderThatDoesNotReadKeepsNoComputingThread) {
-  const auto digest = peer_->upload(flatTorus(142));
+  const auto digest = peer_->upload(flatTorus(150));
   ASSERT_OK(digest);
   grpc::ClientContext context;
   const auto reader = peer_->geometry().Parameterize(&context, flatRequest(digestSource(*digest)));

@@ -104,9 +104,10 @@ TEST_F(ParameterizeInput, ConesAreRefusedInTheNumbersOfTheFile) {
       flat("disk.obj", {"--cones", "cones.txt"}).err,
       HasSubstr("a cone at vertex 36 of curvature 3.2: on the boundary it must be below pi"));
   write("cones.txt", "36 1\n");
-  EXPECT_THAT(flat("disk.obj", {"--cones", "cones.txt", "--boundary", "circle"}).err,
-              HasSubstr("a cone at vertex 36 is on the boundary, whose curvatures the rule CIRCLE "
-                        "sets itself (INVALID_OPTION); take the rule STRAIGHT"));
+  EXPECT_THAT(
+      flat("disk.obj", {"--cones", "cones.txt", "--boundary", "free"}).err,
+      HasSubstr("a cone at vertex 36 is on the boundary, and a free one takes the curvature "
+                "that comes out (INVALID_OPTION); ask for a straight boundary or a circle"));
 }
 
 TEST_F(ParameterizeInput, PolygonsAreFansAndVerticesOfNobodyStay) {
@@ -165,6 +166,28 @@ TEST_F(ParameterizeInput, HolesAreFilledForTheMapAndNotInTheFile) {
     for (const int corner : corners) used.at(static_cast<std::size_t>(corner)) = true;
   }
   EXPECT_THAT(used, testing::Each(true)) << "points of faces that are not written";
+}
+
+TEST_F(ParameterizeInput, ASurfaceWithoutPositionsIsItsImage) {
+  write("square.json",
+        R"({"format": "moduli-intrinsic-triangulation", "version": 1, "geometry": "euclidean",
+            "vertices": 1, "faces": [[0, 0, 0], [0, 0, 0]], "gluing": [[4, 5, 3], [2, 0, 1]],
+            "lengths": [[1, 1, 1.4142135623730951], [1.4142135623730951, 1, 1]]})");
+  const Obj out = map("square.json");
+  ASSERT_EQ(out.positions.size(), 4U) << "a square of two triangles";
+  ASSERT_EQ(out.points.size(), 4U);
+  for (std::size_t p = 0; p < 4; ++p) {
+    EXPECT_EQ(std::complex(out.positions[p][0], out.positions[p][1]), out.points[p]);
+    EXPECT_EQ(out.positions[p][2], 0);
+  }
+  ASSERT_EQ(out.faces.size(), 2U);
+  EXPECT_EQ(out.faces, out.corners);
+  EXPECT_NEAR(out.doubledArea(0), 1, 1e-12);
+  EXPECT_NEAR(out.doubledArea(1), 1, 1e-12);
+  write("cones.txt", "1 0.5\n");
+  EXPECT_THAT(flat("square.json", {"--cones", "cones.txt"}).err,
+              HasSubstr("a cone at vertex 1, but the mesh has vertices 0 to 0"));
+  EXPECT_THAT(flat("square.json", {"--repair"}), FailsWithOneLine());
 }
 
 TEST_F(ParameterizeInput, WhereNothingCanBeWrittenNothingIsComputed) {
