@@ -99,6 +99,29 @@ TEST(ScaledFace, ObeysTheCosineLaw) {
   }
 }
 
+TEST(ScaledFace, TakesTheSidesOfCapsAndNeedlesAsExact) {
+  // A side shorter than the other two together by d, all of them exact: differences that are exact
+  // in turn leave some units of rounding, whatever d is.
+  for (int bits = 4; bits <= 50; bits += 2) {
+    const double d = std::ldexp(1.0, -bits);
+    // Sides 1, 1 and 2 - d: halves of the perimeter less them, 1 - d / 2 twice and d / 2.
+    const ScaledFace face = scaledFace(Geometry::kEuclidean, {1, 2 - d, 1});
+    const double wide = std::sqrt((1 - d / 2) * (1 - d / 2) / ((2 - d / 2) * (d / 2)));
+    const double narrow = std::sqrt((d / 2) / (2 - d / 2));
+    EXPECT_NEAR(face.half_tangent[1] / wide, 1, 8 * kEpsilon);
+    EXPECT_NEAR(face.half_tangent[0] / narrow, 1, 8 * kEpsilon);
+    EXPECT_NEAR(face.half_tangent[2] / narrow, 1, 8 * kEpsilon);
+    // A needle whose short side has digits below those of the long ones.
+    const double base = 1.3 * d;
+    const ScaledFace needle = scaledFace(Geometry::kEuclidean, {1, 1 + d / 4, base});
+    const double less = (base - d / 4) / 2, more = (base + d / 4) / 2;
+    EXPECT_NEAR(needle.half_tangent[2] / std::sqrt(more * less / ((1 + more) * (1 - less))), 1,
+                8 * kEpsilon);
+    EXPECT_NEAR(needle.half_tangent[0] / std::sqrt(less * (1 - less) / ((1 + more) * more)), 1,
+                8 * kEpsilon);
+  }
+}
+
 TEST(ScaledFace, OfLargeHyperbolicTrianglesFollowsTheIdealOnes) {
   // Equilateral: sin(a / 2) = 1 / (2 cosh(l / 2)).
   for (const double x : {1e2, 1e8, 1e15}) {
