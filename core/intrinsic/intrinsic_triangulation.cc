@@ -5,10 +5,9 @@
 #include <utility>
 
 namespace moduli {
-namespace {
 
 /// The four halfedges around h that a flip moves, and where each goes; undoing goes backwards.
-struct Surrounding {
+struct IntrinsicTriangulation::Surrounding {
   std::array<Index, 4> from, to;
 
   Surrounding(Index h, Index t) {
@@ -28,8 +27,6 @@ struct Surrounding {
     return g;
   }
 };
-
-}  // namespace
 
 IntrinsicTriangulation::IntrinsicTriangulation(const Connectivity& surface,
                                                const std::vector<double>& half_chords)
@@ -65,13 +62,9 @@ void IntrinsicTriangulation::glue(Index h, Index twin) {
   if (twin != kNone) twin_[twin] = h;
 }
 
-void IntrinsicTriangulation::flip(Index h, double half_chord) {
+/// Moves the four edges around h and gives h another half chord; tails are the caller's.
+void IntrinsicTriangulation::rearrange(Index h, const Surrounding& ring, double half_chord) {
   const Index t = twin_[h];
-  const Surrounding ring(h, t);
-  history_.push_back({h, half_chord_[h]});
-
-  const Index i = tail_[h], j = tail_[t];
-  const Index k = tail_[Connectivity::previous(h)], l = tail_[Connectivity::previous(t)];
   std::array<Index, 4> twins;
   std::array<double, 4> chords;
   for (int n = 0; n < 4; ++n) {
@@ -84,41 +77,35 @@ void IntrinsicTriangulation::flip(Index h, double half_chord) {
   }
   glue(h, t);
   half_chord_[h] = half_chord_[t] = half_chord;
-  tail_[h] = l;
-  tail_[Connectivity::next(h)] = k;
-  tail_[Connectivity::previous(h)] = i;
-  tail_[t] = k;
-  tail_[Connectivity::next(t)] = l;
-  tail_[Connectivity::previous(t)] = j;
+}
+
+void IntrinsicTriangulation::setTails(Index h, Index tail, Index head, Index apex) {
+  tail_[h] = tail;
+  tail_[Connectivity::next(h)] = head;
+  tail_[Connectivity::previous(h)] = apex;
+}
+
+void IntrinsicTriangulation::flip(Index h, double half_chord) {
+  const Index t = twin_[h];
+  history_.push_back({h, half_chord_[h]});
+  const Index i = tail_[h], j = tail_[t];
+  const Index k = tail_[Connectivity::previous(h)], l = tail_[Connectivity::previous(t)];
+  rearrange(h, Surrounding(h, t), half_chord);
+  setTails(h, l, k, i);
+  setTails(t, k, l, j);
 }
 
 void IntrinsicTriangulation::undoLast() {
   const Flip last = history_.back();
   history_.pop_back();
   const Index h = last.halfedge, t = twin_[h];
-  Surrounding ring(h, t);
-  ring.reverse();
-
   const Index l = tail_[h], k = tail_[t];
   const Index i = tail_[Connectivity::previous(h)], j = tail_[Connectivity::previous(t)];
-  std::array<Index, 4> twins;
-  std::array<double, 4> chords;
-  for (int n = 0; n < 4; ++n) {
-    twins[n] = twin_[ring.from[n]];
-    chords[n] = half_chord_[ring.from[n]];
-  }
-  for (int n = 0; n < 4; ++n) {
-    half_chord_[ring.to[n]] = chords[n];
-    glue(ring.to[n], ring.moved(twins[n]));
-  }
-  glue(h, t);
-  half_chord_[h] = half_chord_[t] = last.half_chord;
-  tail_[h] = i;
-  tail_[Connectivity::next(h)] = j;
-  tail_[Connectivity::previous(h)] = k;
-  tail_[t] = j;
-  tail_[Connectivity::next(t)] = i;
-  tail_[Connectivity::previous(t)] = l;
+  Surrounding ring(h, t);
+  ring.reverse();
+  rearrange(h, ring, last.half_chord);
+  setTails(h, i, j, k);
+  setTails(t, j, i, l);
 }
 
 void IntrinsicTriangulation::undoTo(std::size_t count) {

@@ -60,6 +60,9 @@ class IntrinsicTriangulation {
   std::vector<double> edgeHalfChords() const;
 
  private:
+  struct Surrounding;
+  void rearrange(Index h, const Surrounding& ring, double half_chord);
+  void setTails(Index h, Index tail, Index head, Index apex);
   void undoLast();
   void glue(Index h, Index twin);
 

@@ -39,18 +39,6 @@ bool samePattern(const SparseMatrix& a, const SparseMatrix& b) {
          std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
 }
 
-/// The largest sum of absolute values in a row of the whole symmetric matrix.
-double maximumNorm(const SparseMatrix& lower) {
-  Eigen::VectorXd sums = Eigen::VectorXd::Zero(lower.rows());
-  for (Eigen::Index column = 0; column < lower.outerSize(); ++column) {
-    for (SparseMatrix::InnerIterator it(lower, column); it; ++it) {
-      sums[it.row()] += std::abs(it.value());
-      if (it.row() != column) sums[column] += std::abs(it.value());
-    }
-  }
-  return sums.size() == 0 ? 0 : sums.maxCoeff();
-}
-
 /// The largest absolute value, infinity where there is a NaN.
 double largest(const Eigen::Ref<const Eigen::VectorXd>& x) {
   double result = 0;
@@ -67,6 +55,17 @@ struct ColumnResidual {
 };
 
 }  // namespace
+
+double maximumNorm(const SparseMatrix& lower) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(lower.rows());
+  for (Eigen::Index column = 0; column < lower.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator it(lower, column); it; ++it) {
+      sums[it.row()] += std::abs(it.value());
+      if (it.row() != column) sums[column] += std::abs(it.value());
+    }
+  }
+  return sums.size() == 0 ? 0 : sums.maxCoeff();
+}
 
 struct SpdSolver::Factor {
   std::unique_ptr<FactorBackend> backend;

@@ -13,6 +13,10 @@ class FactorBackend;
 /// Column-major; of a symmetric matrix the lower triangle is stored.
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
+/// The largest sum of absolute values in a row of the whole symmetric matrix of a lower triangle:
+/// no eigenvalue is larger (Gershgorin).
+double maximumNorm(const SparseMatrix& lower);
+
 /// Sparse symmetric positive definite systems: analyse once, factorize for each set of values,
 /// solve for many right-hand sides at once.
 ///

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/ricci/scaled_face.h"
+
 namespace moduli {
 
 void EdgePattern::build(const IntrinsicTriangulation& triangulation,
@@ -57,6 +59,25 @@ void EdgePattern::build(const IntrinsicTriangulation& triangulation,
   }
   outer[count] = used;
   matrix_.resizeNonZeros(used);
+}
+
+void EdgePattern::fillHessian(Geometry geometry, const IntrinsicTriangulation& triangulation,
+                              const std::vector<Index>& unknown,
+                              const std::vector<double>& half_tangents,
+                              const std::vector<double>& half_chords) {
+  double* values = matrix_.valuePtr();
+  std::fill(values, values + matrix_.nonZeros(), 0.0);
+  for (Index h = 0; h < triangulation.halfedgeCount(); ++h) {
+    const Index j = Connectivity::next(h), k = Connectivity::previous(h);
+    const double ti = half_tangents[h], tj = half_tangents[j], tk = half_tangents[k];
+    if (!(ti > 0 && tj > 0 && tk > 0)) continue;
+    const EdgeWeight weight = edgeWeight(geometry, ti, tj, tk, half_chords[h]);
+    const Index a = unknown[triangulation.tail(h)], b = unknown[triangulation.tail(j)];
+    if (a != kNone) values[diagonal(a)] += weight.diagonal;
+    if (b != kNone) values[diagonal(b)] += weight.diagonal;
+    if (slot_[h] != kNone) values[slot_[h]] += weight.mixed;
+    if (a != kNone && a == b) values[diagonal(a)] += 2 * weight.mixed;
+  }
 }
 
 }  // namespace moduli

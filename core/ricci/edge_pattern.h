@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/intrinsic/geometry.h"
 #include "core/intrinsic/intrinsic_triangulation.h"
 #include "core/linalg/spd_solver.h"
 
@@ -16,6 +17,14 @@ class EdgePattern {
   /// unknown: per vertex, below `count`, or kNone. O(E).
   void build(const IntrinsicTriangulation& triangulation, const std::vector<Index>& unknown,
              Index count);
+
+  /// Fills in the Hessian of the Ricci energy of vertex scaling (scaled_face.h), 0 where unknowns
+  /// have no faces. half_tangents: per halfedge the tangent of half the angle at its tail; faces
+  /// with angles of 0 are left out, as broken ones and those at infinity. half_chords: per
+  /// halfedge, scaled. Both of the triangulation and the unknowns last built for. O(F).
+  void fillHessian(Geometry geometry, const IntrinsicTriangulation& triangulation,
+                   const std::vector<Index>& unknown, const std::vector<double>& half_tangents,
+                   const std::vector<double>& half_chords);
 
   /// The matrix: lower triangle, every diagonal entry stored. Values are the caller's.
   SparseMatrix& matrix() { return matrix_; }

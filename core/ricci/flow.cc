@@ -19,19 +19,6 @@ constexpr double kGrowth = 4;
 /// The norm may grow by its rounding: this, times the square root of the number of unknowns.
 constexpr double kRounding = 1e-14;
 
-/// The largest sum of absolute values in a row of the whole symmetric matrix: no eigenvalue is
-/// larger (Gershgorin).
-double largestRowSum(const SparseMatrix& lower) {
-  Eigen::VectorXd sums = Eigen::VectorXd::Zero(lower.rows());
-  for (Eigen::Index column = 0; column < lower.outerSize(); ++column) {
-    for (SparseMatrix::InnerIterator it(lower, column); it; ++it) {
-      sums[it.row()] += std::abs(it.value());
-      if (it.row() != column) sums[column] += std::abs(it.value());
-    }
-  }
-  return sums.size() == 0 ? 0 : sums.maxCoeff();
-}
-
 class Flow {
  public:
   Flow(Context& context, CurvatureModel& model, const Eigen::VectorXd& target,
@@ -82,7 +69,7 @@ class Flow {
     hessian_ = model_.hessian();
     pattern_ = model_.patternVersion();
     // Without any proper face there is no stiffness, and any step is stable.
-    const double sum = largestRowSum(hessian_);
+    const double sum = maximumNorm(hessian_);
     unit_step_ = sum > 0 ? 1 / sum : 1;
   }
 

@@ -155,7 +155,7 @@ class Newton {
   CurvatureModel& model_;
   const Eigen::VectorXd& target_;
   const NewtonOptions& options_;
-  NewtonSystem system_;
+  NewtonSystem system_{kMaxStep};
   Eigen::VectorXd gradient_;
   Eigen::VectorXd base_;
   int rescues_ = 0;

@@ -1,6 +1,7 @@
 #include "core/ricci/newton_system.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace moduli {
@@ -52,6 +53,9 @@ Result<Eigen::VectorXd> NewtonSystem::direction(Context& context, const SparseMa
   const auto diagonal = [&](Eigen::Index n) -> double& {
     return matrix_.valuePtr()[matrix_.outerIndexPtr()[n]];
   };
+  for (Eigen::Index n = 0; n < matrix_.rows(); ++n) {
+    diagonal(n) += std::abs(gradient[n]) / reach_;
+  }
   if (constants_in_kernel) {
     // With the gradient orthogonal to constants this pins the unknown exactly.
     Eigen::Index stiffest = 0;

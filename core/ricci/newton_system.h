@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -17,11 +18,16 @@ namespace moduli {
 /// diagonal shift, which leaves a direction of descent.
 class NewtonSystem {
  public:
+  /// reach: where the energy is flat (an angle of almost 0) an unknown would go exponentially far;
+  /// the diagonal above lets it go some `reach` without holding the others back, and vanishes with
+  /// the gradient, fast enough for quadratic convergence.
+  explicit NewtonSystem(double reach = std::numeric_limits<double>::infinity()) : reach_(reach) {}
+
   /// matrix: symmetric, positive semi-definite, lower triangle with all of its diagonal.
   /// pattern_version: equal for equal patterns. constants_in_kernel: the kernel are the constants,
   /// and `gradient` sums to 0; the solution is then fixed by one unknown. fixed: per unknown
-  /// whether it stays (its gradient must be 0); empty: none. Returns d with matrix * d = -gradient.
-  /// Fails as SpdSolver does.
+  /// whether it stays (its gradient must be 0); empty: none. Returns d with
+  /// (matrix + diag(|gradient|) / reach) * d = -gradient. Fails as SpdSolver does.
   Result<Eigen::VectorXd> direction(Context& context, const SparseMatrix& matrix,
                                     int pattern_version, bool constants_in_kernel,
                                     const std::vector<bool>& fixed,
@@ -31,6 +37,7 @@ class NewtonSystem {
   void isolate(const std::vector<bool>& fixed);
   Status factorize(Context& context, bool same_pattern);
 
+  double reach_;
   std::optional<SpdSolver> solver_;
   SparseMatrix matrix_;
   int pattern_version_ = 0;

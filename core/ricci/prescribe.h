@@ -32,7 +32,7 @@ struct PrescribeOptions {
 ///   ASSIGN_OR_RETURN(const DiscreteMetric metric, problem.solve(context, target));
 ///
 /// H2 begins with half chords c * l: a constant c shifts u alone, so that the unit of length plays
-/// no role. In E2 u keeps a mean of 0 over unknowns where nothing is fixed.
+/// no role. In E2, where nothing is fixed, only differences of u mean anything.
 /// Source: MATH 6.4 to 6.7.
 class PrescribedCurvature {
  public:

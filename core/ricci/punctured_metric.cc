@@ -221,32 +221,19 @@ void PuncturedMetric::measure() {
 
 const SparseMatrix& PuncturedMetric::hessian() {
   const Index vertices = triangulation_.vertexCount();
+  std::vector<Index> unknown(vertices, kNone);
+  for (Index v = 0; v < vertices; ++v) {
+    if (isFree(v)) unknown[v] = v;
+  }
   if (pattern_stale_) {
-    std::vector<Index> unknown(vertices, kNone);
-    for (Index v = 0; v < vertices; ++v) {
-      if (isFree(v)) unknown[v] = v;
-    }
     pattern_.build(triangulation_, unknown, vertices);
     pattern_stale_ = false;
     ++pattern_version_;
   }
+  pattern_.fillHessian(Geometry::kEuclidean, triangulation_, unknown, half_tangents_, scaled_);
   SparseMatrix& matrix = pattern_.matrix();
-  double* values = matrix.valuePtr();
-  std::fill(values, values + matrix.nonZeros(), 0.0);
-  for (Index h = 0; h < triangulation_.halfedgeCount(); ++h) {
-    const Index j = next(h), k = previous(h);
-    const double ti = half_tangents_[h], tj = half_tangents_[j], tk = half_tangents_[k];
-    if (!(ti > 0 && tj > 0 && tk > 0)) continue;
-    const EdgeWeight weight = edgeWeight(Geometry::kEuclidean, ti, tj, tk, scaled_[h]);
-    const Index a = triangulation_.tail(h), b = triangulation_.tail(j);
-    if (isFree(a)) values[pattern_.diagonal(a)] += weight.diagonal;
-    if (isFree(b)) values[pattern_.diagonal(b)] += weight.diagonal;
-    const Index slot = pattern_.slot(h);
-    if (slot != kNone) values[slot] += weight.mixed;
-    if (a == b && isFree(a)) values[pattern_.diagonal(a)] += 2 * weight.mixed;
-  }
   for (Index v = 0; v < vertices; ++v) {
-    if (!isFree(v)) values[pattern_.diagonal(v)] = 1;
+    if (!isFree(v)) matrix.valuePtr()[pattern_.diagonal(v)] = 1;
   }
   return matrix;
 }

@@ -194,23 +194,8 @@ const SparseMatrix& VertexScalingModel::hessian() {
     pattern_stale_ = false;
     ++pattern_version_;
   }
-  SparseMatrix& matrix = pattern_.matrix();
-  double* values = matrix.valuePtr();
-  std::fill(values, values + matrix.nonZeros(), 0.0);
-  for (Index h = 0; h < triangulation_.halfedgeCount(); ++h) {
-    const Index j = Connectivity::next(h), k = Connectivity::previous(h);
-    const double ti = half_tangents_[h], tj = half_tangents_[j], tk = half_tangents_[k];
-    if (!(ti > 0 && tj > 0 && tk > 0)) continue;  // A broken face stays as it is.
-    const EdgeWeight weight = edgeWeight(geometry_, ti, tj, tk, scaled_[h]);
-    const Index a = unknowns_.of_vertex[triangulation_.tail(h)];
-    const Index b = unknowns_.of_vertex[triangulation_.tail(j)];
-    values[pattern_.diagonal(a)] += weight.diagonal;
-    values[pattern_.diagonal(b)] += weight.diagonal;
-    const Index slot = pattern_.slot(h);
-    if (slot != kNone) values[slot] += weight.mixed;
-    if (a == b) values[pattern_.diagonal(a)] += 2 * weight.mixed;
-  }
-  return matrix;
+  pattern_.fillHessian(geometry_, triangulation_, unknowns_.of_vertex, half_tangents_, scaled_);
+  return pattern_.matrix();
 }
 
 }  // namespace moduli
