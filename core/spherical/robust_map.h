@@ -38,9 +38,9 @@ Result<IdealPolyhedron> mapToIdealPolyhedron(Context& context, const Connectivit
                                              const std::vector<Eigen::Vector3d>& positions,
                                              const PuncturedSphereOptions& options = {});
 
-/// Per vertex a factor s such that s_i s_j |p_i - p_j| is proportional to the half chords of the
-/// triangulation before scaling, for its edges ij: the light-like vectors s_i (p_i, 1) are the
-/// vertices in the hyperbolic space in which projective coordinates are linear.
+/// Per vertex a factor s such that sqrt(s_i s_j) |p_i - p_j| is proportional to the half chords of
+/// the triangulation before scaling, for its edges ij: the light-like vectors s_i (p_i, 1) stand
+/// for the vertices in the space in which projective coordinates are linear.
 std::vector<double> lightConeScales(const IntrinsicTriangulation& triangulation,
                                     const Points3& points);
 
