@@ -128,7 +128,9 @@ TEST(OrientationSign, IsExactNextToALine) {
     for (int j = 0; j < 64; ++j) {
       const std::complex<double> c(0.5 + i * ulp, 0.5 + j * ulp);
       // On a line y = x the point lies to the left where y > x.
-      EXPECT_EQ(spherical::orientationSign(a, b, c), (j > i) - (j < i)) << i << " " << j;
+      const int expected = (j > i) - (j < i);
+      EXPECT_EQ(spherical::orientationSign(a, b, c), expected) << i << " " << j;
+      EXPECT_EQ(spherical::orientationSign(c, a, b), expected) << i << " " << j;
     }
   }
 }
@@ -140,7 +142,7 @@ TEST(OrientationSign, IsExactNextToAGreatCircleAndAlternates) {
   for (int trial = 0; trial < 200; ++trial) {
     const Eigen::Vector3d a = draw(), b = draw();
     // Integers below 2^53 add without an error: c lies in the plane of a, b and 0.
-    const Eigen::Vector3d c = 1023 * a + 257 * b;
+    const Eigen::Vector3d c = 123457 * a + 54321 * b;
     EXPECT_EQ(spherical::orientationSign(a, b, c), 0);
     // Moved off it by one unit along z, the determinant is (a x b).z, an integer.
     const Eigen::Vector3d d = c + Eigen::Vector3d::UnitZ();
