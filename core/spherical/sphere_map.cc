@@ -60,7 +60,7 @@ Result<PoledMap> mapWithPole(Context& context, const DipoleMap& dipole, std::vec
 }
 
 /// Fewer folds first, then less dilatation. A map with a number that is no number never wins.
-bool isBetter(const SphereQuality& a, const SphereQuality& b) {
+bool isBetter(const MapQuality& a, const MapQuality& b) {
   if (!(a.covering_degree > 0.5 && a.covering_degree < 1.5)) return false;
   if (a.flipped_faces != b.flipped_faces) return a.flipped_faces < b.flipped_faces;
   return a.mean_dilatation < b.mean_dilatation;
@@ -113,7 +113,7 @@ class LinearMap {
     Result<MobiusCentering> centered = centerByMobius(context, points, areas_);
     RETURN_IF_ERROR(context.check());
     if (!centered.ok()) return best_ ? Status() : centered.status();
-    const SphereQuality quality = measureSphereMap(surface_, lengths_, centered->points);
+    const MapQuality quality = measureSphereMap(surface_, lengths_, centered->points);
     if (best_ && !isBetter(quality, best_->quality)) return {};
     best_ =
         SphereMap{std::move(centered->points), quality, centered->residual, centered->iterations};
