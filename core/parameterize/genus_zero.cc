@@ -22,9 +22,12 @@ std::string targetOf(const SurfaceTopology& topology) {
                  "are none";
   }
   switch (loops) {
-    case 0: return "--to sphere maps it; cut or drop faces to give it a boundary";
-    case 1: return "--to disk and --to rectangle map it; --fill-holes closes it";
-    default: return "--to circle-domain maps it; --fill-holes closes small loops";
+    case 0:
+      return "--to sphere maps it; cut or drop faces to give it a boundary";
+    case 1:
+      return "--to disk and --to rectangle map it; --fill-holes closes it";
+    default:
+      return "--to circle-domain maps it; --fill-holes closes small loops";
   }
 }
 
@@ -38,11 +41,10 @@ Status checkGenusZero(const Connectivity& surface, const std::string& map, Index
       loops <= most_loops) {
     return {};
   }
-  const std::string wanted =
-      most_loops == 0 ? "no boundary"
-      : least_loops == most_loops
-          ? counted(least_loops, "boundary loop")
-          : "at least " + counted(least_loops, "boundary loop");
+  const std::string wanted = most_loops == 0 ? "no boundary"
+                             : least_loops == most_loops
+                                 ? counted(least_loops, "boundary loop")
+                                 : "at least " + counted(least_loops, "boundary loop");
   return {Reason::kUnsupportedTopology,
           map + " needs a connected surface of genus 0 with " + wanted + ", not genus " +
               std::to_string(topology.genus) + " with " + counted(loops, "boundary loop") + " in " +

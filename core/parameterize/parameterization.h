@@ -26,7 +26,7 @@ std::string methodName(MapMethod method);
 
 /// What judges a map; computed from the final numbers. Absent where it does not apply.
 struct MapCertificate {
-  MapQuality quality;  ///< Of the faces that are returned.
+  MapQuality quality;                           ///< Of the faces that are returned.
   std::optional<double> curvature_residual;     ///< max |K - target|, radians.
   std::optional<double> gauss_bonnet_residual;  ///< |sum K - 2 pi chi|, radians.
   std::optional<double> layout_closure;  ///< Largest gap of the layout, in lengths of its edge.
@@ -39,7 +39,7 @@ struct MapCertificate {
   std::optional<double> clamped_fraction;  ///< Edges whose intersection angle was clamped.
   std::optional<int> newton_iterations;
   std::optional<int> flips;
-  std::optional<int> sweeps;              ///< Of the iteration that makes loops round.
+  std::optional<int> sweeps;               ///< Of the iteration that makes loops round.
   std::optional<double> convergence_rate;  ///< By which a sweep shrinks what is left.
   double mollification = 0;
   std::vector<std::string> warnings;

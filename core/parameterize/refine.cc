@@ -44,13 +44,12 @@ Result<RefinedSurface> refineFolds(Context& context, const Connectivity& surface
       if (v >= triangulation.vertexCount()) v -= spare;
     }
   }
-  points.erase(points.begin() + surface.vertexCount(), points.begin() + triangulation.vertexCount());
-  const auto vertices =
-      surface.vertexCount() + static_cast<Index>(subdivision.vertices.size());
+  points.erase(points.begin() + surface.vertexCount(),
+               points.begin() + triangulation.vertexCount());
+  const auto vertices = surface.vertexCount() + static_cast<Index>(subdivision.vertices.size());
   ASSIGN_OR_RETURN(Connectivity refined, Connectivity::fromFaces(vertices, subdivision.faces));
   // Halfedges of the first copy have the same number in both.
-  std::vector<double> refined_lengths =
-      subdividedLengths(surface, lengths, subdivision, refined);
+  std::vector<double> refined_lengths = subdividedLengths(surface, lengths, subdivision, refined);
   return RefinedSurface{std::move(subdivision), std::move(refined), std::move(refined_lengths),
                         std::move(points)};
 }

@@ -19,8 +19,8 @@ struct RefinedSurface {
 
 /// How a triangle of sphere points counts: positive where it keeps its orientation, larger is
 /// better.
-using TriangleQuality = std::function<double(const Eigen::Vector3d&, const Eigen::Vector3d&,
-                                             const Eigen::Vector3d&)>;
+using TriangleQuality =
+    std::function<double(const Eigen::Vector3d&, const Eigen::Vector3d&, const Eigen::Vector3d&)>;
 
 /// Cuts the faces of a surface that an ideal polyhedron turns over, and no more of the others than
 /// it takes (subdivide.h); new vertices lie on edges, where they cross the polyhedron's.

@@ -34,10 +34,13 @@ class SphereMapping {
  private:
   Status map() {
     switch (options_.method) {
-      case MapMethod::kLinear: return linear();
-      case MapMethod::kHeatFlow: return heatFlow();
+      case MapMethod::kLinear:
+        return linear();
+      case MapMethod::kHeatFlow:
+        return heatFlow();
       case MapMethod::kAuto:
-      case MapMethod::kRobust: break;
+      case MapMethod::kRobust:
+        break;
     }
     return robust();
   }
@@ -53,8 +56,7 @@ class SphereMapping {
 
   Status heatFlow() {
     result_.method = MapMethod::kHeatFlow;
-    ASSIGN_OR_RETURN(SphereMap map,
-                     mapToSphereHeatFlow(context_, surface_, lengths_, positions_));
+    ASSIGN_OR_RETURN(SphereMap map, mapToSphereHeatFlow(context_, surface_, lengths_, positions_));
     result_.sphere = std::move(map.points);
     result_.certificate.quality = std::move(map.quality);
     result_.certificate.centering_residual = map.centering_residual;
@@ -106,9 +108,8 @@ class SphereMapping {
 
   Status refine(const IdealPolyhedron& ideal) {
     certify(ideal);
-    ASSIGN_OR_RETURN(RefinedSurface refined,
-                     refineFolds(context_, surface_, lengths_, ideal, folds(ideal),
-                                 sphereTriangleQuality));
+    ASSIGN_OR_RETURN(RefinedSurface refined, refineFolds(context_, surface_, lengths_, ideal,
+                                                         folds(ideal), sphereTriangleQuality));
     MapQuality& quality = result_.certificate.quality;
     quality = measureSphereMap(refined.surface, refined.lengths, refined.points);
     if (quality.flipped_faces > 0) {
@@ -144,7 +145,8 @@ class SphereMapping {
   const std::vector<Eigen::Vector3d>& positions_;
   const SphereOptions& options_;
   Status failure_;
-  std::optional<IdealPolyhedron> unflipped_;  ///< Folds; all of its flips are by Ptolemy's relation.
+  std::optional<IdealPolyhedron>
+      unflipped_;  ///< Folds; all of its flips are by Ptolemy's relation.
   Parameterization result_;
 };
 
@@ -156,9 +158,8 @@ Result<Parameterization> parameterizeSphere(Context& context, const Connectivity
                                             const SphereOptions& options) {
   RETURN_IF_ERROR(checkGenusZero(surface, kMap, 0, 0));
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
-  ASSIGN_OR_RETURN(
-      Parameterization result,
-      SphereMapping(context, surface, mollified.lengths, positions, options).run());
+  ASSIGN_OR_RETURN(Parameterization result,
+                   SphereMapping(context, surface, mollified.lengths, positions, options).run());
   result.certificate.mollification = mollified.relative_shift;
   return result;
 }

@@ -18,8 +18,9 @@ struct SphereOptions {
   bool refine = true;
 };
 
-/// Maps a closed connected surface of genus 0 to the unit sphere, conformally but for the mesh, with
-/// the vertices' mean (weighted by the areas around them) at the centre: unique up to a rotation.
+/// Maps a closed connected surface of genus 0 to the unit sphere, conformally but for the mesh,
+/// with the vertices' mean (weighted by the areas around them) at the centre: unique up to a
+/// rotation.
 ///
 /// lengths: per edge, positive up to rounding (mollified if need be). positions: per vertex, or
 /// empty where there are none; a good start, no more. Fails with kUnsupportedTopology (another
