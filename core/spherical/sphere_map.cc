@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "core/forms/cotan.h"
 #include "core/spherical/linear_map.h"
-#include "core/topology/surface_topology.h"
+#include "core/spherical/sphere_start.h"
 
 namespace moduli {
 namespace {
@@ -26,52 +25,6 @@ constexpr double kReach = 1.5;
 /// 0.2^6 = 6e-5: what the pole spoiled to first order in the edge length no longer shows.
 constexpr int kRelaxations = 6;
 
-Status checkSphere(const Connectivity& surface) {
-  const SurfaceTopology topology = computeTopology(surface);
-  if (topology.components == 1 && topology.genus == 0 && topology.boundary_loops.empty()) {
-    return {};
-  }
-  return {Reason::kUnsupportedTopology,
-          "the map to the sphere needs a closed connected surface of genus 0, not genus " +
-              std::to_string(topology.genus) + " with " +
-              std::to_string(topology.boundary_loops.size()) + " boundary loops in " +
-              std::to_string(topology.components) + " component(s)"};
-}
-
-/// The value that half of the weight lies below.
-double weightedMedian(std::vector<std::pair<double, double>> values_and_weights) {
-  std::sort(values_and_weights.begin(), values_and_weights.end());
-  double total = 0;
-  for (const auto& [value, weight] : values_and_weights) total += weight;
-  double sum = 0;
-  for (const auto& [value, weight] : values_and_weights) {
-    sum += weight;
-    if (sum >= total / 2) return value;
-  }
-  return values_and_weights.back().first;
-}
-
-/// Moves and scales the plane so that half of the surface's area lies on each side of both axes and
-/// of the unit circle, then lifts it to the sphere from the north pole. The plane keeps the
-/// relative precision of a crowded region that the sphere's points could not.
-Points3 balancedLift(const PlanePoints& z, const std::vector<double>& areas) {
-  std::vector<std::pair<double, double>> values(z.size());
-  const auto median = [&](const auto& value) {
-    for (std::size_t i = 0; i < z.size(); ++i) values[i] = {value(z[i]), areas[i]};
-    return weightedMedian(values);
-  };
-  const std::complex<double> center(median([](const auto& w) { return w.real(); }),
-                                    median([](const auto& w) { return w.imag(); }));
-  const double radius = median([&](const auto& w) { return std::abs(w - center); });
-  Points3 points(z.size());
-  for (std::size_t i = 0; i < z.size(); ++i) {
-    const std::complex<double> w = (z[i] - center) / radius;
-    const double r2 = std::norm(w);
-    points[i] = Eigen::Vector3d(2 * w.real(), 2 * w.imag(), r2 - 1) / (1 + r2);
-  }
-  return points;
-}
-
 struct PoledMap {
   Points3 points;        ///< Centred.
   Eigen::Vector3d pole;  ///< Where the plane's infinity went.
@@ -81,7 +34,7 @@ struct PoledMap {
 Result<PoledMap> mapWithPole(Context& context, const DipoleMap& dipole, std::vector<double> areas,
                              Index face) {
   ASSIGN_OR_RETURN(const PlanePoints z, dipole.solve(context, face));
-  Points3 points = balancedLift(z, areas);
+  Points3 points = spherical::balancedLift(z, areas);
   points.push_back(Eigen::Vector3d::UnitZ());  // Infinity comes along, without weight.
   areas.push_back(0);
   ASSIGN_OR_RETURN(MobiusCentering centered, centerByMobius(context, std::move(points), areas));
@@ -164,7 +117,7 @@ class LinearMap {
 
 Result<SphereMap> mapToSphereLinear(Context& context, const Connectivity& surface,
                                     const std::vector<double>& lengths) {
-  RETURN_IF_ERROR(checkSphere(surface));
+  RETURN_IF_ERROR(spherical::checkSphere(surface));
   const Context::Stage stage(context, "sphere map");
   ASSIGN_OR_RETURN(SphereMap map, LinearMap(surface, lengths).compute(context));
   if (map.quality.flipped_faces > 0) {
