@@ -4,9 +4,6 @@
 #include <utility>
 
 namespace moduli {
-namespace {
-
-/// The value that half of the weight lies below.
 double weightedMedian(std::vector<std::pair<double, double>> values_and_weights) {
   std::sort(values_and_weights.begin(), values_and_weights.end());
   double total = 0;
@@ -18,8 +15,6 @@ double weightedMedian(std::vector<std::pair<double, double>> values_and_weights)
   }
   return values_and_weights.back().first;
 }
-
-}  // namespace
 
 Points3 balancedLift(const std::vector<std::complex<double>>& z,
                      const std::vector<double>& weights) {

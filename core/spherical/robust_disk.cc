@@ -7,6 +7,7 @@
 #include "core/ricci/mirror_symmetry.h"
 #include "core/spherical/disk_centering.h"
 #include "core/spherical/mobius_map.h"
+#include "core/spherical/plane_lift.h"
 
 namespace moduli {
 namespace {
@@ -46,20 +47,10 @@ std::vector<Complex> mirrored(const DoubleCover& cover, const std::vector<Comple
 
 /// Half of the weight on each side, and half above.
 Complex middle(const std::vector<Complex>& z, const std::vector<double>& weights) {
+  std::vector<std::pair<double, double>> values(z.size());
   const auto median = [&](const auto& value) {
-    std::vector<std::pair<double, double>> sorted;
-    double total = 0;
-    for (std::size_t v = 0; v < z.size(); ++v) {
-      sorted.emplace_back(value(z[v]), weights[v]);
-      total += weights[v];
-    }
-    std::sort(sorted.begin(), sorted.end());
-    double sum = 0;
-    for (const auto& [x, weight] : sorted) {
-      sum += weight;
-      if (sum >= total / 2) return x;
-    }
-    return sorted.back().first;
+    for (std::size_t v = 0; v < z.size(); ++v) values[v] = {value(z[v]), weights[v]};
+    return weightedMedian(values);
   };
   const double x = median([](const Complex& w) { return w.real(); });
   // Hyperbolic distances from there up and down the line are logarithms of |z - x|.

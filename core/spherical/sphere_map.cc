@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,7 +10,7 @@
 #include "core/forms/cotan.h"
 #include "core/spherical/linear_map.h"
 #include "core/spherical/plane_lift.h"
-#include "core/topology/surface_topology.h"
+#include "core/spherical/sphere_start.h"
 
 namespace moduli {
 namespace {
@@ -26,18 +25,6 @@ using spherical::PlanePoints;
 constexpr double kReach = 1.5;
 /// 0.2^6 = 6e-5: what the pole spoiled to first order in the edge length no longer shows.
 constexpr int kRelaxations = 6;
-
-Status checkSphere(const Connectivity& surface) {
-  const SurfaceTopology topology = computeTopology(surface);
-  if (topology.components == 1 && topology.genus == 0 && topology.boundary_loops.empty()) {
-    return {};
-  }
-  return {Reason::kUnsupportedTopology,
-          "the map to the sphere needs a closed connected surface of genus 0, not genus " +
-              std::to_string(topology.genus) + " with " +
-              std::to_string(topology.boundary_loops.size()) + " boundary loops in " +
-              std::to_string(topology.components) + " component(s)"};
-}
 
 struct PoledMap {
   Points3 points;        ///< Centred.
@@ -131,7 +118,7 @@ class LinearMap {
 
 Result<SphereMap> mapToSphereLinear(Context& context, const Connectivity& surface,
                                     const std::vector<double>& lengths) {
-  RETURN_IF_ERROR(checkSphere(surface));
+  RETURN_IF_ERROR(spherical::checkSphere(surface));
   const Context::Stage stage(context, "sphere map");
   ASSIGN_OR_RETURN(SphereMap map, LinearMap(surface, lengths).compute(context));
   if (map.quality.flipped_faces > 0) {
