@@ -16,26 +16,34 @@ const char* const kMap = "the map to the disk";
 /// Of a Möbius map typed with some digits.
 constexpr double kKeepsDisk = 1e-9;
 
-Result<Parameterization> wrapped(Result<DiskMap> map, MapMethod method,
-                                 const Connectivity& surface) {
-  RETURN_IF_ERROR(map.status());
-  Parameterization result;
-  result.method = method;
-  result.points = std::move(map->points);
-  result.certificate.quality = std::move(map->quality);
-  result.certificate.boundary_deviation = map->boundary_deviation;
-  result.certificate.centering_residual = map->centering_residual;
-  for (Index h = 0; h < surface.halfedgeCount(); ++h) result.corner.push_back(surface.tail(h));
-  return result;
+/// The map that comes last, as one of the disk onto itself.
+DiskImage lastMap(const DiskOptions& options) {
+  return [mobius = options.mobius](const std::complex<double>& w, bool on_circle) {
+    if (!mobius) return w;
+    const std::complex<double> image = (*mobius)(w);
+    return on_circle ? image / std::abs(image) : image;
+  };
 }
 
-/// Boundary points stay on the circle.
-void apply(const MobiusMap& map, std::vector<std::complex<double>>& points) {
-  for (std::complex<double>& w : points) {
-    const bool on_circle = std::abs(std::abs(w) - 1) < 1e-12;
-    w = map(w);
-    if (on_circle) w /= std::abs(w);
+Result<Parameterization> wrapped(const Result<DiskMap>& map, const DiskOptions& options,
+                                 const Connectivity& surface, const std::vector<double>& lengths) {
+  RETURN_IF_ERROR(map.status());
+  Parameterization result;
+  result.method = options.method;
+  const DiskImage last = lastMap(options);
+  for (Index v = 0; v < surface.vertexCount(); ++v) {
+    result.points.push_back(last(map->points[v], surface.isBoundaryVertex(v)));
   }
+  MapQuality& quality = result.certificate.quality;
+  quality = measurePlaneMap(surface, lengths, result.points);
+  if (quality.flipped_faces > 0) {
+    return foldedMap(kMap, quality.flipped_faces, surface.faceCount(),
+                     "--method robust cuts the faces that must fold");
+  }
+  result.certificate.boundary_deviation = map->boundary_deviation;
+  if (!options.mobius) result.certificate.centering_residual = map->centering_residual;
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) result.corner.push_back(surface.tail(h));
+  return result;
 }
 
 }  // namespace
@@ -54,24 +62,22 @@ Result<Parameterization> parameterizeDisk(Context& context, const Connectivity& 
   Result<Parameterization> result = [&]() -> Result<Parameterization> {
     switch (options.method) {
       case MapMethod::kLinear:
-        return wrapped(mapToDiskLinear(context, surface, mollified.lengths), options.method,
-                       surface);
+        return wrapped(mapToDiskLinear(context, surface, mollified.lengths), options, surface,
+                       mollified.lengths);
       case MapMethod::kHeatFlow:
         return wrapped(mapToDiskDoubleCover(context, surface, mollified.lengths, positions),
-                       options.method, surface);
+                       options, surface, mollified.lengths);
       case MapMethod::kAuto:
       case MapMethod::kRobust:
         break;
     }
-    const auto same = [](const IdealDisk&) -> Result<DiskImage> {
-      return DiskImage([](const std::complex<double>& w, bool) { return w; });
-    };
+    const auto domain = [&](const IdealDisk&) -> Result<DiskImage> { return lastMap(options); };
     return mapThroughIdealDisk(context, surface, mollified.lengths, positions,
-                               {kMap, options.initial_delaunay, options.refine, same});
+                               {kMap, options.initial_delaunay, options.refine, domain});
   }();
   RETURN_IF_ERROR(result.status());
   result->certificate.mollification = mollified.relative_shift;
-  if (options.mobius) apply(*options.mobius, result->points);
+  if (options.mobius) result->certificate.centering_residual.reset();
   return result;
 }
 

@@ -16,7 +16,7 @@ struct DiskOptions {
   MapMethod method = MapMethod::kAuto;
   bool initial_delaunay = true;     ///< As in PrescribeOptions; the robust method tries both.
   bool refine = true;               ///< As in SphereOptions.
-  std::optional<MobiusMap> mobius;  ///< Applied last; has to keep the disk.
+  std::optional<MobiusMap> mobius = {};  ///< Applied last; has to keep the disk.
 };
 
 /// Maps a connected surface of genus 0 with one boundary loop to the unit disk, conformally but for

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/intrinsic/subdivide.h"
+#include "core/spherical/circle.h"
 #include "core/spherical/map_quality.h"
 
 /// What all maps of this room have in common.
@@ -45,12 +46,6 @@ struct MapCertificate {
   std::vector<std::string> warnings;
 };
 
-/// A circle in the plane.
-struct MapCircle {
-  std::complex<double> center;
-  double radius = 0;
-};
-
 /// A map of the faces of a surface to the plane, continuous but for seams, or to the sphere.
 struct Parameterization {
   /// The faces that are mapped, where they are not those of the surface.
@@ -62,7 +57,7 @@ struct Parameterization {
   std::vector<Index> corner;  ///< Per halfedge h of the faces: the point of tail(h) in its face.
   /// Width over height of a rectangle; log(outer / inner radius) / 2 pi of an annulus.
   std::optional<double> modulus;
-  std::vector<MapCircle> circles;  ///< Of the boundary loops of a circle domain, the outer first.
+  std::vector<Circle> circles;  ///< Of the boundary loops of a circle domain, the outer first.
   MapMethod method = MapMethod::kAuto;  ///< What was done.
   MapCertificate certificate;
 };

@@ -153,11 +153,15 @@ class RectangleMapping {
 
 }  // namespace
 
+Status checkRectangle(const Connectivity& surface) {
+  return checkGenusZero(surface, kMap, 1, 1);
+}
+
 Result<Parameterization> parameterizeRectangle(Context& context, const Connectivity& surface,
                                                const std::vector<double>& lengths,
                                                const std::vector<Eigen::Vector3d>& positions,
                                                const RectangleOptions& options) {
-  RETURN_IF_ERROR(checkGenusZero(surface, kMap, 1, 1));
+  RETURN_IF_ERROR(checkRectangle(surface));
   ASSIGN_OR_RETURN(std::vector<Index> boundary, boundaryFrom(surface, options.corners));
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
   ASSIGN_OR_RETURN(

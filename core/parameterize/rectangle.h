@@ -19,6 +19,9 @@ struct RectangleOptions {
   bool refine = true;            ///< As in SphereOptions.
 };
 
+/// Fails with kUnsupportedTopology unless the surface can have a map to a rectangle. O(F).
+Status checkRectangle(const Connectivity& surface);
+
 /// Maps a connected surface of genus 0 with one boundary loop to the rectangle of height 1 and
 /// width M, its modulus as a quadrilateral with these corners (the result's `modulus`).
 ///

@@ -27,7 +27,6 @@ class SphereMapping {
 
   Result<Parameterization> run() {
     RETURN_IF_ERROR(map());
-    if (result_.corner.empty()) nameCorners(surface_);
     return std::move(result_);
   }
 
@@ -48,19 +47,17 @@ class SphereMapping {
   Status linear() {
     result_.method = MapMethod::kLinear;
     ASSIGN_OR_RETURN(SphereMap map, mapToSphereLinear(context_, surface_, lengths_));
-    result_.sphere = std::move(map.points);
-    result_.certificate.quality = std::move(map.quality);
     result_.certificate.centering_residual = map.centering_residual;
-    return {};
+    return finish(std::move(map.points), surface_, lengths_);
   }
 
   Status heatFlow() {
     result_.method = MapMethod::kHeatFlow;
-    ASSIGN_OR_RETURN(SphereMap map, mapToSphereHeatFlow(context_, surface_, lengths_, positions_));
-    result_.sphere = std::move(map.points);
-    result_.certificate.quality = std::move(map.quality);
+    ASSIGN_OR_RETURN(HeatFlowMap map,
+                     mapToSphereHeatFlow(context_, surface_, lengths_, positions_));
     result_.certificate.centering_residual = map.centering_residual;
-    return {};
+    result_.certificate.flips = static_cast<int>(map.flips);
+    return finish(std::move(map.points), surface_, lengths_);
   }
 
   Status robust() {
@@ -101,24 +98,33 @@ class SphereMapping {
 
   Status keep(IdealPolyhedron& ideal) {
     certify(ideal);
-    result_.certificate.quality = measureSphereMap(surface_, lengths_, ideal.points);
-    result_.sphere = std::move(ideal.points);
-    return {};
+    return finish(std::move(ideal.points), surface_, lengths_);
   }
 
   Status refine(const IdealPolyhedron& ideal) {
     certify(ideal);
     ASSIGN_OR_RETURN(RefinedSurface refined, refineFolds(context_, surface_, lengths_, ideal,
                                                          folds(ideal), sphereTriangleQuality));
-    MapQuality& quality = result_.certificate.quality;
-    quality = measureSphereMap(refined.surface, refined.lengths, refined.points);
-    if (quality.flipped_faces > 0) {
-      return foldedMap(kMap, quality.flipped_faces, refined.surface.faceCount(),
-                       "its limbs are thinner than doubles tell apart on a sphere");
-    }
-    result_.sphere = std::move(refined.points);
-    nameCorners(refined.surface);
     result_.subdivision = std::move(refined.subdivision);
+    return finish(std::move(refined.points), refined.surface, refined.lengths);
+  }
+
+  /// Moves the points as asked, and measures what comes out.
+  Status finish(Points3 points, const Connectivity& surface, const std::vector<double>& lengths) {
+    if (options_.mobius) {
+      for (Eigen::Vector3d& point : points) point = (*options_.mobius)(point);
+      result_.certificate.centering_residual.reset();
+    }
+    MapQuality& quality = result_.certificate.quality;
+    quality = measureSphereMap(surface, lengths, points);
+    if (quality.flipped_faces > 0) {
+      return foldedMap(kMap, quality.flipped_faces, surface.faceCount(),
+                       options_.mobius
+                           ? "the Möbius map crowds parts more than doubles tell apart"
+                           : "its limbs are thinner than doubles tell apart on a sphere");
+    }
+    result_.sphere = std::move(points);
+    for (Index h = 0; h < surface.halfedgeCount(); ++h) result_.corner.push_back(surface.tail(h));
     return {};
   }
 
@@ -133,10 +139,6 @@ class SphereMapping {
     certificate.centering_residual = ideal.centering_residual;
     certificate.newton_iterations = metric.newton_iterations;
     certificate.flips = metric.flips;
-  }
-
-  void nameCorners(const Connectivity& surface) {
-    for (Index h = 0; h < surface.halfedgeCount(); ++h) result_.corner.push_back(surface.tail(h));
   }
 
   Context& context_;

@@ -8,6 +8,7 @@
 #include "core/base/status.h"
 #include "core/mesh/connectivity.h"
 #include "core/parameterize/parameterization.h"
+#include "core/spherical/mobius_map.h"
 
 namespace moduli {
 
@@ -16,6 +17,7 @@ struct SphereOptions {
   bool initial_delaunay = true;  ///< As in PrescribeOptions; the robust method tries both.
   /// Cut the faces that no map of the given ones keeps from folding; otherwise they are an error.
   bool refine = true;
+  std::optional<MobiusMap> mobius = {};  ///< Applied last.
 };
 
 /// Maps a closed connected surface of genus 0 to the unit sphere, conformally but for the mesh,
