@@ -249,7 +249,7 @@ Result<HeatFlowMap> mapToSphereHeatFlow(Context& context, const Connectivity& su
   map.from_gauss_map = start.from_gauss_map;
   map.flips = metric.flips;
   map.quality = measureSphereMap(surface, lengths, map.points);
-  if (map.quality.flipped_faces > 0) {
+  if (map.quality.flipped_faces > 0 && !options.accept_folds) {
     return Status(Reason::kFoldedMap,
                   "the harmonic map to the sphere folds " +
                       std::to_string(map.quality.flipped_faces) + " of " +

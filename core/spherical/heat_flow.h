@@ -15,6 +15,7 @@ struct HeatFlowOptions {
   double tangent_tolerance = 1e-9;  ///< Largest tangential Laplacian of a vertex when it is done.
   double energy_tolerance = 1e-13;  ///< Or the relative decrease of the energy in one step.
   int max_steps = 1000;
+  bool accept_folds = false;  ///< Return a folded map, which its quality tells, and do not fail.
 };
 
 struct HeatFlowMap {
