@@ -14,6 +14,10 @@
 /// Both are centred: the mean of the points, weighted by the vertex areas of the metric, is 0 (see
 /// core/spherical/disk_centering.h). What is left free is a rotation of the disk; none is
 /// preferred, and how the result is turned means nothing.
+///
+/// Both are harmonic maps of the double, and share a limit: a face with two boundary edges folds if
+/// one of its angles at the third edge is not acute, for its tip then belongs on its neighbour or
+/// beyond. So do needles.
 namespace moduli {
 
 struct DiskMap {
