@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/base/context.h"
+#include "core/intrinsic/subdivide.h"
+#include "core/spherical/robust_map.h"
+
+namespace moduli {
+
+/// A surface with finer faces where a map of it folded.
+struct RefinedSurface {
+  Subdivision subdivision;
+  Connectivity surface;         ///< Of the subdivision's faces.
+  std::vector<double> lengths;  ///< Per edge of `surface`.
+  Points3 points;               ///< On the sphere: those given, then the new vertices.
+};
+
+/// How a triangle of sphere points counts: positive where it keeps its orientation, larger is
+/// better.
+using TriangleQuality =
+    std::function<double(const Eigen::Vector3d&, const Eigen::Vector3d&, const Eigen::Vector3d&)>;
+
+/// Cuts the faces of a surface that an ideal polyhedron turns over, and no more of the others than
+/// it takes (subdivide.h); new vertices lie on edges, where they cross the polyhedron's.
+///
+/// surface, lengths: what was mapped. ideal: of the surface or, where it has a boundary, of its
+/// double, whose first vertices and faces are the surface's; every flip by Ptolemy's relation.
+/// folded: per face of the surface. Fails with kCancelled and kDeadlineExceeded.
+Result<RefinedSurface> refineFolds(Context& context, const Connectivity& surface,
+                                   const std::vector<double>& lengths, const IdealPolyhedron& ideal,
+                                   const std::vector<bool>& folded, const TriangleQuality& quality);
+
+/// Turns counter-clockwise seen from outside the sphere.
+double sphereTriangleQuality(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                             const Eigen::Vector3d& c);
+
+}  // namespace moduli
