@@ -1,5 +1,6 @@
 #include "core/parameterize/circle_domain.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
