@@ -109,30 +109,49 @@ class FaceCutter {
   }
 
  private:
-  /// Cuts ears off, the best one first. Three points on one side make no triangle. Nothing where
-  /// `strict` and an orientation is wrong.
-  std::optional<std::vector<Triangle>> triangulate(Polygon polygon, bool strict) const {
-    std::vector<Triangle> triangles;
-    while (polygon.size() >= 3) {
-      const std::size_t size = polygon.size();
-      std::size_t best = size;
-      double best_quality = strict ? 0 : -std::numeric_limits<double>::infinity();
-      for (std::size_t n = 0; n < size; ++n) {
-        const Point &a = polygon[(n + size - 1) % size], &b = polygon[n],
-                    &c = polygon[(n + 1) % size];
-        if ((a.sides & b.sides & c.sides) != 0) continue;
-        const double quality = image_.quality(a.vertex, b.vertex, c.vertex);
-        if (quality > best_quality) {
-          best_quality = quality;
-          best = n;
+  /// Of all triangulations the one whose worst triangle is best; three points on one side make no
+  /// triangle. Nothing where `strict` and every one has a triangle of the wrong orientation.
+  /// O(n^3).
+  std::optional<std::vector<Triangle>> triangulate(const Polygon& polygon, bool strict) const {
+    constexpr double kNever = -std::numeric_limits<double>::infinity();
+    const std::size_t size = polygon.size();
+    // Of the part between two points, and where the triangle on the line between them has its apex.
+    std::vector<double> best(size * size, std::numeric_limits<double>::infinity());
+    std::vector<std::size_t> apex(size * size, size);
+    for (std::size_t width = 2; width < size; ++width) {
+      for (std::size_t i = 0; i + width < size; ++i) {
+        const std::size_t j = i + width;
+        double found = kNever;
+        for (std::size_t k = i + 1; k < j; ++k) {
+          const double parts = std::min(best[i * size + k], best[k * size + j]);
+          if (!(parts > found)) continue;
+          const double worst = std::min(parts, quality(polygon[i], polygon[k], polygon[j]));
+          if (!(worst > found)) continue;
+          found = worst;
+          apex[i * size + j] = k;
         }
+        best[i * size + j] = found;
       }
-      if (best == size) return std::nullopt;
-      triangles.push_back({polygon[(best + size - 1) % size].vertex, polygon[best].vertex,
-                           polygon[(best + 1) % size].vertex});
-      polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(best));
+    }
+    const double whole = best[size - 1];
+    if (whole == kNever || (strict && !(whole > 0))) return std::nullopt;
+    std::vector<Triangle> triangles;
+    std::vector<std::pair<std::size_t, std::size_t>> parts = {{0, size - 1}};
+    while (!parts.empty()) {
+      const auto [i, j] = parts.back();
+      parts.pop_back();
+      if (j - i < 2) continue;
+      const std::size_t k = apex[i * size + j];
+      triangles.push_back({polygon[i].vertex, polygon[k].vertex, polygon[j].vertex});
+      parts.push_back({i, k});
+      parts.push_back({k, j});
     }
     return triangles;
+  }
+
+  double quality(const Point& a, const Point& b, const Point& c) const {
+    if ((a.sides & b.sides & c.sides) != 0) return -std::numeric_limits<double>::infinity();
+    return image_.quality(a.vertex, b.vertex, c.vertex);
   }
 
   const Connectivity& given_;

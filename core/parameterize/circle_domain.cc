@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/intrinsic/mollify.h"
+#include "core/parameterize/disk.h"
 #include "core/parameterize/genus_zero.h"
 #include "core/parameterize/refine.h"
 #include "core/spherical/cap_loops.h"
@@ -67,12 +68,20 @@ class Stereographic {
   Eigen::Vector3d pole_, right_, up_;
 };
 
-/// A surface whose vertices lie on the sphere, some with boundary loops of it.
-struct CaplessSphere {
+constexpr int kMostSplits = 3;
+
+std::vector<bool> foldedIn(const Connectivity& surface, const std::vector<Complex>& points) {
+  return foldedFaces(surface, points, [](const auto& a, const auto& b, const auto& c) {
+    return spherical::orientationSign(a, b, c);
+  });
+}
+
+/// The surface in the plane, before its loops are round.
+struct PlaneDomain {
   const Connectivity& surface;
   const std::vector<double>& lengths;
-  Points3 points;  ///< Per vertex of the surface.
-  Loops loops;     ///< Vertices, the outer loop first.
+  std::vector<Complex> points;  ///< Per vertex.
+  Loops loops;                  ///< Vertices, the outer loop first.
 };
 
 class CircleDomainMapping {
@@ -93,7 +102,7 @@ class CircleDomainMapping {
     if (options_.method == MapMethod::kLinear || options_.method == MapMethod::kHeatFlow) {
       ASSIGN_OR_RETURN(const Points3 points, simpleMap());
       result_.method = options_.method;
-      RETURN_IF_ERROR(takeOffCaps(points));
+      RETURN_IF_ERROR(roundLoops(points));
       return std::move(result_);
     }
     return robustly();
@@ -135,10 +144,10 @@ class CircleDomainMapping {
       if (failure.reason() == Reason::kNoConvergence) continue;
       RETURN_IF_ERROR(failure);
       certify(*ideal);
-      failure = takeOffCaps(ideal->points);
+      failure = roundLoops(ideal->points);
       if (failure.ok()) return std::move(result_);
       if (failure.reason() != Reason::kFoldedMap) return failure;
-      if (initial_delaunay || folded_.empty()) continue;
+      if (initial_delaunay) continue;
       folded = folded_;
       unflipped = *std::move(ideal);
     }
@@ -146,33 +155,46 @@ class CircleDomainMapping {
     return refine(*unflipped, folded);
   }
 
-  Status takeOffCaps(const Points3& points) {
-    return roundLoops(
-        {surface_, lengths_, Points3(points.begin(), points.begin() + surface_.vertexCount()),
-         tailsOf(surface_, loops_)},
-        points[capped_->apex[0]]);
+  /// Takes the caps off, unfolds the sphere around the apex of the outer loop, and makes the loops
+  /// round; cuts the few faces that cannot follow.
+  Status roundLoops(const Points3& sphere) {
+    PlaneDomain plane{surface_, lengths_, unfolded(sphere, surface_.vertexCount(), sphere),
+                      tailsOf(surface_, loops_)};
+    Status status = roundLoops(plane);
+    if (status.reason() != Reason::kFoldedMap || !options_.refine) return status;
+    const std::vector<bool> folded = folded_;
+    for (int n = 1; n <= kMostSplits; ++n) {
+      ASSIGN_OR_RETURN(const bool done, splitFolds(plane, folded, (1 << n) - 1));
+      if (done) return {};
+    }
+    folded_ = folded;
+    return status;
   }
 
-  /// Unfolds the sphere around the apex of the outer loop, and makes the loops round. Leaves in
-  /// folded_ what folds then.
-  Status roundLoops(const CaplessSphere& sphere, const Eigen::Vector3d& infinity) {
-    folded_.clear();
-    const Stereographic plane(infinity);
-    std::vector<Complex> points;
-    for (const Eigen::Vector3d& point : sphere.points) points.push_back(plane(point));
-    ASSIGN_OR_RETURN(CircleDomain domain, koebe(context_, std::move(points), sphere.loops));
-    const Connectivity& surface = sphere.surface;
+  std::vector<Complex> unfolded(const Points3& points, Index count, const Points3& sphere) const {
+    const Stereographic plane(sphere[capped_->apex[0]]);
+    std::vector<Complex> result;
+    for (Index v = 0; v < count; ++v) result.push_back(plane(points[v]));
+    return result;
+  }
+
+  /// Leaves in folded_ what folds then.
+  Status roundLoops(const PlaneDomain& plane) {
+    ASSIGN_OR_RETURN(CircleDomain domain, koebe(context_, plane.points, plane.loops));
+    return describe(plane.surface, plane.lengths, std::move(domain));
+  }
+
+  Status describe(const Connectivity& surface, const std::vector<double>& lengths,
+                  CircleDomain domain) {
     MapCertificate& certificate = result_.certificate;
-    certificate.quality = measurePlaneMap(surface, sphere.lengths, domain.points);
+    certificate.quality = measurePlaneMap(surface, lengths, domain.points);
     if (certificate.quality.flipped_faces > 0) {
-      folded_ =
-          foldedFaces(surface, domain.points, [](const auto& a, const auto& b, const auto& c) {
-            return spherical::orientationSign(a, b, c);
-          });
+      folded_ = foldedIn(surface, domain.points);
       return foldedMap(kMap, certificate.quality.flipped_faces, surface.faceCount(),
                        "--refine auto cuts faces where that helps; finer ones at the boundary do");
     }
     certificate.sweeps = static_cast<int>(domain.history.size());
+    certificate.convergence_rate.reset();
     if (domain.rate > 0) certificate.convergence_rate = domain.rate;
     if (!domain.history.empty()) certificate.boundary_deviation = domain.history.back();
     result_.points = std::move(domain.points);
@@ -185,15 +207,52 @@ class CircleDomainMapping {
     return {};
   }
 
+  /// A face with all of its corners on the circle of a hole is turned over, whatever the map: the
+  /// circle bends towards it. New vertices on its inner edges, mapped like all others, stay outside
+  /// the hole.
+  Result<bool> splitFolds(const PlaneDomain& plane, const std::vector<bool>& folded, int count) {
+    std::vector<Index> edges;
+    std::vector<bool> taken(surface_.edgeCount(), false);
+    for (Index h = 0; h < surface_.halfedgeCount(); ++h) {
+      const Index e = surface_.edge(h);
+      if (!folded[h / 3] || surface_.twin(h) == kNone || taken[e]) continue;
+      taken[e] = true;
+      edges.push_back(e);
+    }
+    const std::vector<Subdivision::Vertex> vertices = evenVertices(surface_, edges, count);
+    std::vector<Complex> points = plane.points;
+    for (const Subdivision::Vertex& vertex : vertices) {
+      const Complex& tail = plane.points[surface_.tail(vertex.halfedge)];
+      const Complex& head = plane.points[surface_.head(vertex.halfedge)];
+      points.push_back(tail + vertex.fraction * (head - tail));
+    }
+    ASSIGN_OR_RETURN(CircleDomain domain, koebe(context_, std::move(points), plane.loops));
+    const std::vector<Complex>& image = domain.points;
+    SubdivisionImage judge;
+    judge.quality = [&](Index a, Index b, Index c) {
+      return planeTriangleQuality(image[a], image[b], image[c]);
+    };
+    std::optional<Subdivision> subdivision = splitEdges(surface_, vertices, judge);
+    if (!subdivision) return false;
+    ASSIGN_OR_RETURN(const Connectivity surface,
+                     Connectivity::fromFaces(static_cast<Index>(image.size()), subdivision->faces));
+    const std::vector<double> lengths =
+        subdividedLengths(surface_, lengths_, *subdivision, surface);
+    const Status status = describe(surface, lengths, std::move(domain));
+    if (!status.ok()) return status.reason() == Reason::kFoldedMap ? Result<bool>(false) : status;
+    result_.subdivision = *std::move(subdivision);
+    return true;
+  }
+
   /// Cuts the folded faces along the polyhedron's edges; loops get the new vertices on them.
   Result<Parameterization> refine(const IdealPolyhedron& ideal, const std::vector<bool>& folded) {
-    const Eigen::Vector3d infinity = ideal.points[capped_->apex[0]];
     certify(ideal);
-    ASSIGN_OR_RETURN(RefinedSurface refined, refineFolds(context_, surface_, lengths_, ideal,
-                                                         folded, sphereTriangleQuality));
-    RETURN_IF_ERROR(roundLoops(
-        {refined.surface, refined.lengths, refined.points, refinedLoops(refined.surface)},
-        infinity));
+    ASSIGN_OR_RETURN(RefinedSurface refined,
+                     refineFolds(context_, surface_, lengths_, ideal, folded));
+    RETURN_IF_ERROR(
+        roundLoops({refined.surface, refined.lengths,
+                    unfolded(refined.points, refined.surface.vertexCount(), ideal.points),
+                    refinedLoops(refined.surface)}));
     result_.subdivision = std::move(refined.subdivision);
     return std::move(result_);
   }
@@ -243,6 +302,16 @@ Result<Parameterization> parameterizeCircleDomain(Context& context, const Connec
                                                   const std::vector<Eigen::Vector3d>& positions,
                                                   const CircleDomainOptions& options) {
   RETURN_IF_ERROR(checkGenusZero(surface, kMap, 1, std::numeric_limits<Index>::max()));
+  if (computeTopology(surface).boundary_loops.size() == 1) {
+    DiskOptions disk;
+    disk.method = options.method;
+    disk.initial_delaunay = options.initial_delaunay;
+    disk.refine = options.refine;
+    ASSIGN_OR_RETURN(Parameterization result,
+                     parameterizeDisk(context, surface, lengths, positions, disk));
+    result.circles = {Circle{0, 1}};
+    return result;
+  }
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
   ASSIGN_OR_RETURN(
       Parameterization result,
