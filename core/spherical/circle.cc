@@ -35,7 +35,7 @@ double roundnessError(const Circle& circle, const std::vector<std::complex<doubl
 }
 
 /// The centre of an image is the image of the point that mirrors the map's pole in the circle.
-Circle DiskMap::operator()(const Circle& circle) const {
+Circle DiskTranslation::operator()(const Circle& circle) const {
   // c + r^2 / conj(1 / conj(p) - c), times p above and below.
   const double r2 = circle.radius * circle.radius;
   const std::complex<double> mirrored =
@@ -44,7 +44,7 @@ Circle DiskMap::operator()(const Circle& circle) const {
   return {center, std::abs((*this)(circle.center + circle.radius) - center)};
 }
 
-DiskMap centeringMap(const Circle& circle) {
+DiskTranslation centeringMap(const Circle& circle) {
   const double d = std::abs(circle.center);
   const double sum = 1 + d * d - circle.radius * circle.radius;
   return {2.0 * circle.center / (sum + std::sqrt(std::max(0.0, (sum - 2 * d) * (sum + 2 * d))))};

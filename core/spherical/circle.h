@@ -26,7 +26,7 @@ Circle fitCircle(const std::vector<std::complex<double>>& points);
 double roundnessError(const Circle& circle, const std::vector<std::complex<double>>& points);
 
 /// z -> (z - p) / (1 - conj(p) z), which keeps the unit disk and carries p (|p| < 1) to 0.
-struct DiskMap {
+struct DiskTranslation {
   std::complex<double> zero;
 
   std::complex<double> operator()(std::complex<double> z) const {
@@ -36,7 +36,7 @@ struct DiskMap {
 };
 
 /// The map that makes a circle within the unit disk concentric with it.
-DiskMap centeringMap(const Circle& circle);
+DiskTranslation centeringMap(const Circle& circle);
 
 /// The radius that a circle within the unit disk has after centeringMap.
 double centeredRadius(const Circle& circle);

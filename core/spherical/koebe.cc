@@ -238,7 +238,7 @@ std::size_t firstLargest(const std::vector<Circle>& circles, std::size_t but, co
   return best;
 }
 
-void transform(CircleDomain& domain, const DiskMap& map) {
+void transform(CircleDomain& domain, const DiskTranslation& map) {
   for (Complex& z : domain.points) z = map(z);
   for (std::size_t k = 1; k < domain.circles.size(); ++k) {
     domain.circles[k] = map(domain.circles[k]);

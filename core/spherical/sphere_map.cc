@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "core/forms/cotan.h"
 #include "core/spherical/linear_map.h"
-#include "core/topology/surface_topology.h"
+#include "core/spherical/plane_lift.h"
+#include "core/spherical/sphere_start.h"
 
 namespace moduli {
 namespace {
@@ -25,52 +25,6 @@ using spherical::PlanePoints;
 constexpr double kReach = 1.5;
 /// 0.2^6 = 6e-5: what the pole spoiled to first order in the edge length no longer shows.
 constexpr int kRelaxations = 6;
-
-Status checkSphere(const Connectivity& surface) {
-  const SurfaceTopology topology = computeTopology(surface);
-  if (topology.components == 1 && topology.genus == 0 && topology.boundary_loops.empty()) {
-    return {};
-  }
-  return {Reason::kUnsupportedTopology,
-          "the map to the sphere needs a closed connected surface of genus 0, not genus " +
-              std::to_string(topology.genus) + " with " +
-              std::to_string(topology.boundary_loops.size()) + " boundary loops in " +
-              std::to_string(topology.components) + " component(s)"};
-}
-
-/// The value that half of the weight lies below.
-double weightedMedian(std::vector<std::pair<double, double>> values_and_weights) {
-  std::sort(values_and_weights.begin(), values_and_weights.end());
-  double total = 0;
-  for (const auto& [value, weight] : values_and_weights) total += weight;
-  double sum = 0;
-  for (const auto& [value, weight] : values_and_weights) {
-    sum += weight;
-    if (sum >= total / 2) return value;
-  }
-  return values_and_weights.back().first;
-}
-
-/// Moves and scales the plane so that half of the surface's area lies on each side of both axes and
-/// of the unit circle, then lifts it to the sphere from the north pole. The plane keeps the
-/// relative precision of a crowded region that the sphere's points could not.
-Points3 balancedLift(const PlanePoints& z, const std::vector<double>& areas) {
-  std::vector<std::pair<double, double>> values(z.size());
-  const auto median = [&](const auto& value) {
-    for (std::size_t i = 0; i < z.size(); ++i) values[i] = {value(z[i]), areas[i]};
-    return weightedMedian(values);
-  };
-  const std::complex<double> center(median([](const auto& w) { return w.real(); }),
-                                    median([](const auto& w) { return w.imag(); }));
-  const double radius = median([&](const auto& w) { return std::abs(w - center); });
-  Points3 points(z.size());
-  for (std::size_t i = 0; i < z.size(); ++i) {
-    const std::complex<double> w = (z[i] - center) / radius;
-    const double r2 = std::norm(w);
-    points[i] = Eigen::Vector3d(2 * w.real(), 2 * w.imag(), r2 - 1) / (1 + r2);
-  }
-  return points;
-}
 
 struct PoledMap {
   Points3 points;        ///< Centred.
@@ -93,7 +47,7 @@ Result<PoledMap> mapWithPole(Context& context, const DipoleMap& dipole, std::vec
 }
 
 /// Fewer folds first, then less dilatation. A map with a number that is no number never wins.
-bool isBetter(const SphereQuality& a, const SphereQuality& b) {
+bool isBetter(const MapQuality& a, const MapQuality& b) {
   if (!(a.covering_degree > 0.5 && a.covering_degree < 1.5)) return false;
   if (a.flipped_faces != b.flipped_faces) return a.flipped_faces < b.flipped_faces;
   return a.mean_dilatation < b.mean_dilatation;
@@ -146,7 +100,7 @@ class LinearMap {
     Result<MobiusCentering> centered = centerByMobius(context, points, areas_);
     RETURN_IF_ERROR(context.check());
     if (!centered.ok()) return best_ ? Status() : centered.status();
-    const SphereQuality quality = measureSphereMap(surface_, lengths_, centered->points);
+    const MapQuality quality = measureSphereMap(surface_, lengths_, centered->points);
     if (best_ && !isBetter(quality, best_->quality)) return {};
     best_ =
         SphereMap{std::move(centered->points), quality, centered->residual, centered->iterations};
@@ -164,7 +118,7 @@ class LinearMap {
 
 Result<SphereMap> mapToSphereLinear(Context& context, const Connectivity& surface,
                                     const std::vector<double>& lengths) {
-  RETURN_IF_ERROR(checkSphere(surface));
+  RETURN_IF_ERROR(spherical::checkSphere(surface));
   const Context::Stage stage(context, "sphere map");
   ASSIGN_OR_RETURN(SphereMap map, LinearMap(surface, lengths).compute(context));
   if (map.quality.flipped_faces > 0) {

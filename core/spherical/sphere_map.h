@@ -4,21 +4,14 @@
 
 #include "core/base/context.h"
 #include "core/mesh/connectivity.h"
+#include "core/spherical/map_quality.h"
 #include "core/spherical/mobius.h"
 
 namespace moduli {
 
-/// How good a map to the sphere is, computed from its final points.
-struct SphereQuality {
-  Index flipped_faces = 0;     ///< Spherical triangles with signed solid angle <= 0.
-  double covering_degree = 0;  ///< Sum of signed solid angles / 4 pi; 1 for a bijection.
-  double max_dilatation = 1;   ///< Largest quasi-conformal K of the faces (metric -> chords).
-  double mean_dilatation = 1;  ///< Area-weighted mean of K over the metric.
-};
-
 struct SphereMap {
   Points3 points;  ///< Per vertex, on the unit sphere, outward orientation kept.
-  SphereQuality quality;
+  MapQuality quality;
   double centering_residual = 0;
   int newton_iterations = 0;
 };
@@ -38,14 +31,5 @@ struct SphereMap {
 /// Angenent and Haker 2000; Choi, Lam, Lui 2015; MATH 2.3, 2.7.
 Result<SphereMap> mapToSphereLinear(Context& context, const Connectivity& surface,
                                     const std::vector<double>& lengths);
-
-/// Signed solid angle of a spherical triangle, positive when a, b, c run counter-clockwise seen
-/// from outside. Relative accuracy also for tiny triangles.
-double signedSolidAngle(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                        const Eigen::Vector3d& c);
-
-/// Measures a map. points: per vertex on the unit sphere. O(F). Source: MATH 2.9, 9.1.
-SphereQuality measureSphereMap(const Connectivity& surface, const std::vector<double>& lengths,
-                               const Points3& points);
 
 }  // namespace moduli

@@ -49,7 +49,7 @@ TEST(CircleDomainCapacity, DoesNotDependOnMoebiusMaps) {
   ASSERT_OK(one);
   EXPECT_LT(one->asymmetry, 1e-11 * largest(one->capacity));
   for (const Complex zero : {Complex(0.3, 0.1), Complex(-0.6, 0.5)}) {
-    const DiskMap map{zero};
+    const DiskTranslation map{zero};
     std::vector<Circle> circles = {{0, 1}};
     for (std::size_t k = 1; k < 4; ++k) circles.push_back(map(kThreeHoles[k]));
     const auto other = capacityOf(circles);

@@ -41,8 +41,8 @@ TEST(FitCircle, TellsHowFarPointsAreFromIt) {
   EXPECT_NEAR(roundnessError(fitCircle(points), points), 0.01, 1e-4);
 }
 
-TEST(DiskMap, CarriesCirclesAsItCarriesTheirPoints) {
-  const DiskMap map{{0.3, -0.6}};
+TEST(DiskTranslation, CarriesCirclesAsItCarriesTheirPoints) {
+  const DiskTranslation map{{0.3, -0.6}};
   for (const Circle& circle : {Circle{{0.2, 0.1}, 0.5}, Circle{{0.3, -0.6}, 0.1}, Circle{0, 0.9}}) {
     std::vector<Complex> points = pointsOf(circle, 9);
     for (Complex& z : points) z = map(z);
@@ -51,7 +51,7 @@ TEST(DiskMap, CarriesCirclesAsItCarriesTheirPoints) {
   EXPECT_EQ(map(Complex(0.3, -0.6)), Complex(0));
 }
 
-TEST(DiskMap, CentresCircles) {
+TEST(DiskTranslation, CentresCircles) {
   for (const Circle& circle :
        {Circle{{0.2, 0.1}, 0.5}, Circle{{-0.9, 0.3}, 0.01}, Circle{0, 0.9}}) {
     const Circle centered = centeringMap(circle)(circle);

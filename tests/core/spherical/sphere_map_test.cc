@@ -46,7 +46,7 @@ TEST(MeasureSphereMap, CountsFoldsByHand) {
   const TriangleMesh mesh = surfaces::mesh(surfaces::sample("sphere", {{"resolution", 4}}));
   const std::vector<double> lengths = mesh.edgeLengths();
   Points3 points = mesh.positions();
-  const SphereQuality whole = measureSphereMap(mesh.connectivity(), lengths, points);
+  const MapQuality whole = measureSphereMap(mesh.connectivity(), lengths, points);
   EXPECT_EQ(whole.flipped_faces, 0);
   EXPECT_NEAR(whole.covering_degree, 1, 1e-14);
   EXPECT_NEAR(whole.max_dilatation, 1, 1e-12);
@@ -55,13 +55,13 @@ TEST(MeasureSphereMap, CountsFoldsByHand) {
   const Triangle& face = mesh.connectivity().face(0);
   points[face[0]] =
       (0.6 * (points[face[1]] + points[face[2]]) - 0.2 * points[face[0]]).normalized();
-  const SphereQuality folded = measureSphereMap(mesh.connectivity(), lengths, points);
+  const MapQuality folded = measureSphereMap(mesh.connectivity(), lengths, points);
   EXPECT_EQ(folded.flipped_faces, 1);
   EXPECT_NEAR(folded.covering_degree, 1, 1e-14);
   EXPECT_GT(folded.max_dilatation, 1.5);
 
   for (Eigen::Vector3d& p : points) p = -p;
-  const SphereQuality inside_out = measureSphereMap(mesh.connectivity(), lengths, points);
+  const MapQuality inside_out = measureSphereMap(mesh.connectivity(), lengths, points);
   EXPECT_EQ(inside_out.flipped_faces, mesh.faceCount() - 1);
   EXPECT_NEAR(inside_out.covering_degree, -1, 1e-14);
 }

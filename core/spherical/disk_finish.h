@@ -1,0 +1,26 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "core/base/context.h"
+#include "core/spherical/disk_map.h"
+
+/// What all maps to the disk demand and end with. Internal to this room.
+namespace moduli::spherical {
+
+/// Fails with kUnsupportedTopology unless the surface is connected, of genus 0 and with one
+/// boundary loop.
+Status checkDisk(const Connectivity& surface);
+
+/// Centres a map to the disk, puts its boundary on the circle and measures it. areas: per vertex.
+/// Fails as centerDisk does.
+Result<DiskMap> centeredDiskMap(Context& context, const Connectivity& surface,
+                                const std::vector<double>& lengths,
+                                const std::vector<double>& areas,
+                                const std::vector<std::complex<double>>& points);
+
+/// Fails with kFoldedMap where faces are flipped or the boundary does not run once around.
+Status checkUnfolded(const Connectivity& surface, const DiskMap& map);
+
+}  // namespace moduli::spherical
