@@ -156,8 +156,10 @@ class LinearDiskMap {
     const Complex pole =
         better.points[surface_.tail(central)] + better.points[surface_.head(central)];
     pole_ = std::abs(pole) > 0 ? pole / std::abs(pole) : better.points[surface_.tail(central)];
-    best_ = std::move(better);
-    return best_->points;
+    PlanePoints points = better.points;
+    ASSIGN_OR_RETURN(
+        best_, spherical::withTipsReset(context, surface_, lengths_, areas_, std::move(better)));
+    return points;
   }
 
   /// The boundary halfedge with the highest score; the lowest among equals.
@@ -226,19 +228,28 @@ class LinearDiskMap {
     }
     for (int step = 1; step <= kRelaxations; ++step) {
       ASSIGN_OR_RETURN(points, charts[(step - 1) % 2]->relax(context, std::move(points)));
-      RETURN_IF_ERROR(consider(context, points, step));
+      // To centre and measure costs as much as two relaxations: the start, a map that both charts
+      // have mended once, and the last one are enough to choose from.
+      if (step == 2 || step == kRelaxations) RETURN_IF_ERROR(consider(context, points, step));
     }
     return {};
   }
 
-  /// Centres a candidate and keeps it if it has fewer folds, or as many and less dilatation.
+  /// Centres a candidate and keeps it if it has fewer folds, mended ones too, or as many and less
+  /// dilatation.
   Status consider(Context& context, const PlanePoints& points, int step) {
     Result<DiskMap> map = spherical::centeredDiskMap(context, surface_, lengths_, areas_, points);
+    if (map.ok()) {
+      map = spherical::withTipsReset(context, surface_, lengths_, areas_, *std::move(map));
+    }
     RETURN_IF_ERROR(context.check());
     if (!map.ok()) return {};
-    const MapQuality &a = map->quality, &b = best_->quality;
-    if (a.flipped_faces > b.flipped_faces) return {};
-    if (a.flipped_faces == b.flipped_faces && !(a.mean_dilatation < b.mean_dilatation)) return {};
+    const Index folds = map->quality.flipped_faces + map->reset_tips;
+    const Index least = best_->quality.flipped_faces + best_->reset_tips;
+    if (folds > least) return {};
+    if (folds == least && !(map->quality.mean_dilatation < best_->quality.mean_dilatation)) {
+      return {};
+    }
     best_ = *std::move(map);
     best_->iterations = step;
     return {};
