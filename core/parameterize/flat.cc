@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/forms/cotan.h"
 #include "core/intrinsic/flat_charts.h"
 #include "core/intrinsic/mollify.h"
 #include "core/mesh/double_cover.h"
@@ -16,7 +17,6 @@
 #include "core/ricci/mirror_symmetry.h"
 #include "core/ricci/newton.h"
 #include "core/ricci/prescribe.h"
-#include "core/spherical/face_frame.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli {
@@ -40,7 +40,7 @@ class Flattening {
     bordered_ = !loops_.empty();
   }
 
-  Result<FlatParameterization> run() {
+  Result<Parameterization> run() {
     ASSIGN_OR_RETURN(target_, flatTarget(surface_, options_.cones, options_.boundary, lengths_));
     RETURN_IF_ERROR(options_.scheme == Scheme::kVertexScaling ? scaleVertices() : packCircles());
     const Context::Stage stage(context_, "layout");
@@ -57,7 +57,7 @@ class Flattening {
   }
 
  private:
-  FlatCertificate& certificate() { return result_.certificate; }
+  MapCertificate& certificate() { return result_.certificate; }
   bool roundsBoundary() const { return bordered_ && options_.boundary == BoundaryRule::kCircle; }
   bool freesBoundary() const { return bordered_ && options_.boundary == BoundaryRule::kFree; }
 
@@ -96,7 +96,7 @@ class Flattening {
       charts_.resize(3 * static_cast<std::size_t>(cover.face_count));
       iterations += metric.certificate.newton_iterations;
       certificate().newton_iterations = iterations;
-      certificate().gauss_bonnet_residual /= 2;
+      *certificate().gauss_bonnet_residual /= 2;
     };
     if (roundsBoundary()) {
       double uneven = 1;
@@ -235,39 +235,24 @@ class Flattening {
   }
 
   Status judgeMetric() {
-    if (certificate().curvature_residual <= kMaxResidual &&
-        certificate().layout_closure <= kMaxClosure) {
-      return {};
-    }
+    const double residual = *certificate().curvature_residual;
+    const double closure = *certificate().layout_closure;
+    if (residual <= kMaxResidual && closure <= kMaxClosure) return {};
     return {Reason::kResidualTooLarge,
-            "the flat metric has a curvature residual of " +
-                shortestDouble(certificate().curvature_residual) +
+            "the flat metric has a curvature residual of " + shortestDouble(residual) +
                 " (allowed: " + shortestDouble(kMaxResidual) + ") and closes up to " +
-                shortestDouble(certificate().layout_closure) +
-                " of an edge (allowed: " + shortestDouble(kMaxClosure) + ")",
+                shortestDouble(closure) + " of an edge (allowed: " + shortestDouble(kMaxClosure) +
+                ")",
             "spread the curvature over more cones, or remesh parts that are thin"};
   }
 
   /// Scales the layout to the surface's area and compares its faces with the surface's.
   Status judgeFaces() {
-    const std::vector<double> areas = faceAreas();
-    double area = 0, image = 0, weighted = 0, largest = 1;
-    int flipped = 0;
-    for (Index f = 0; f < surface_.faceCount(); ++f) {
-      const double doubled = doubledArea(charts_, f);
-      area += areas[f];
-      image += doubled / 2;
-      if (!(doubled > 0)) ++flipped;
-      const std::complex<double> u = charts_[3 * f], w = -charts_[3 * f + 2];
-      const double base = std::abs(u);
-      const double k = dilatation(
-          frameFromSides(lengths_[surface_.edge(3 * f)], lengths_[surface_.edge(3 * f + 1)],
-                         lengths_[surface_.edge(3 * f + 2)], areas[f]),
-          {base, std::real(std::conj(u) * w) / base, std::abs(doubled) / base});
-      largest = std::max(largest, k);
-      weighted += areas[f] * k;
-    }
-    certificate().flipped_faces = flipped;
+    double area = 0, image = 0;
+    for (const double face : faceAreas(surface_, lengths_)) area += face;
+    for (Index f = 0; f < surface_.faceCount(); ++f) image += doubledArea(charts_, f) / 2;
+    certificate().quality = measurePlaneMap(surface_, lengths_, result_.points, result_.corner);
+    const Index flipped = certificate().quality.flipped_faces;
     if (flipped > 0) {
       return {Reason::kFoldedMap,
               "the flat layout turns over " + std::to_string(flipped) + " of " +
@@ -276,21 +261,9 @@ class Flattening {
                   std::string(options_.initial_delaunay ? "off" : "on") +
                   "), refine the mesh there, or spread the curvature over more cones"};
     }
-    certificate().max_dilatation = largest;
-    certificate().mean_dilatation = weighted / area;
     const double scale = std::sqrt(area / image);
     for (std::complex<double>& point : result_.points) point *= scale;
     return {};
-  }
-
-  std::vector<double> faceAreas() const {
-    std::vector<double> areas(surface_.faceCount());
-    for (Index f = 0; f < surface_.faceCount(); ++f) {
-      areas[f] = triangleArea(Geometry::kEuclidean,
-                              {lengths_[surface_.edge(3 * f)], lengths_[surface_.edge(3 * f + 1)],
-                               lengths_[surface_.edge(3 * f + 2)]});
-    }
-    return areas;
   }
 
   Context& context_;
@@ -301,16 +274,16 @@ class Flattening {
   bool bordered_ = false;
   std::vector<double> target_;
   FlatCharts charts_;
-  FlatParameterization result_;
+  Parameterization result_;
 };
 
 }  // namespace
 
-Result<FlatParameterization> parameterizeFlat(Context& context, const Connectivity& surface,
-                                              const std::vector<double>& lengths,
-                                              const FlatOptions& options) {
+Result<Parameterization> parameterizeFlat(Context& context, const Connectivity& surface,
+                                          const std::vector<double>& lengths,
+                                          const FlatOptions& options) {
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
-  ASSIGN_OR_RETURN(FlatParameterization result,
+  ASSIGN_OR_RETURN(Parameterization result,
                    Flattening(context, surface, mollified.lengths, options).run());
   result.certificate.mollification = mollified.relative_shift;
   return result;

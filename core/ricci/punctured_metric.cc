@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -27,9 +28,11 @@ Index previous(Index h) {
 
 }  // namespace
 
-PuncturedMetric::PuncturedMetric(IntrinsicTriangulation triangulation, Index infinity)
+PuncturedMetric::PuncturedMetric(IntrinsicTriangulation triangulation, Index infinity,
+                                 Unknowns unknowns)
     : triangulation_(std::move(triangulation)),
       infinity_(infinity),
+      unknowns_(std::move(unknowns)),
       accepted_flips_(triangulation_.history().size()),
       base_(Eigen::VectorXd::Zero(triangulation_.vertexCount())),
       u_(Eigen::VectorXd::Zero(triangulation_.vertexCount())),
@@ -219,21 +222,49 @@ void PuncturedMetric::measure() {
   }
 }
 
-const SparseMatrix& PuncturedMetric::hessian() {
-  const Index vertices = triangulation_.vertexCount();
-  std::vector<Index> unknown(vertices, kNone);
-  for (Index v = 0; v < vertices; ++v) {
-    if (isFree(v)) unknown[v] = v;
+/// Per vertex its unknown, kNone where a vertex of the orbit is not free.
+std::vector<Index> PuncturedMetric::freeUnknowns() const {
+  std::vector<bool> held(unknowns_.count, false);
+  for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
+    if (!isFree(v)) held[unknowns_.of_vertex[v]] = true;
   }
+  std::vector<Index> unknown = unknowns_.of_vertex;
+  for (Index& n : unknown) {
+    if (held[n]) n = kNone;
+  }
+  return unknown;
+}
+
+Eigen::VectorXd PuncturedMetric::gradient() const {
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(unknowns_.count);
+  const std::vector<Index> unknown = freeUnknowns();
+  for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
+    if (unknown[v] != kNone) gradient[unknown[v]] += 2 * std::numbers::pi - angle_sums_[v];
+  }
+  return gradient;
+}
+
+double PuncturedMetric::residual() const {
+  double largest = 0;
+  for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
+    if (isFree(v)) largest = std::max(largest, std::abs(2 * std::numbers::pi - angle_sums_[v]));
+  }
+  return largest;
+}
+
+const SparseMatrix& PuncturedMetric::hessian() {
+  const std::vector<Index> unknown = freeUnknowns();
   if (pattern_stale_) {
-    pattern_.build(triangulation_, unknown, vertices);
+    pattern_.build(triangulation_, unknown, unknowns_.count);
     pattern_stale_ = false;
     ++pattern_version_;
   }
   pattern_.fillHessian(Geometry::kEuclidean, triangulation_, unknown, half_tangents_, scaled_);
   SparseMatrix& matrix = pattern_.matrix();
-  for (Index v = 0; v < vertices; ++v) {
-    if (!isFree(v)) matrix.valuePtr()[pattern_.diagonal(v)] = 1;
+  for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
+    if (unknown[v] == kNone) {
+      matrix.valuePtr()[pattern_.diagonal(unknowns_.of_vertex[v])] = 1;
+    }
   }
   return matrix;
 }

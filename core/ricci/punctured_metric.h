@@ -8,6 +8,7 @@
 #include "core/intrinsic/intrinsic_triangulation.h"
 #include "core/ricci/edge_pattern.h"
 #include "core/ricci/scaled_face.h"
+#include "core/ricci/vertex_scaling.h"
 
 namespace moduli {
 
@@ -18,8 +19,9 @@ namespace moduli {
 /// disk whose triangulation is Delaunay. See punctured_sphere.h for what it is for.
 class PuncturedMetric {
  public:
-  /// triangulation: of a sphere, without a loop at `infinity`.
-  PuncturedMetric(IntrinsicTriangulation triangulation, Index infinity);
+  /// triangulation: of a sphere, without a loop at `infinity`. unknowns: vertices of one orbit are
+  /// exchanged by a symmetry of the surface and keep one u; `infinity` is alone in its own.
+  PuncturedMetric(IntrinsicTriangulation triangulation, Index infinity, Unknowns unknowns);
 
   /// Moves to u (per vertex) from the connectivity last accepted, with flips. A vertex below its
   /// bound joins the link, by a flip of the link's edge in front of it, and gets the bound.
@@ -41,9 +43,14 @@ class PuncturedMetric {
   Index infinity() const { return infinity_; }
   /// The sum of angles of finite faces at each vertex.
   const std::vector<double>& angleSums() const { return angle_sums_; }
-  /// The derivative of 2 pi - angleSums() by u at free vertices; all others have rows of the
-  /// identity. Lower triangle.
+  /// Per unknown: the sum of 2 pi - angleSums() over its vertices; 0 where not all are free.
+  Eigen::VectorXd gradient() const;
+  /// The largest |2 pi - angleSums()| of the free vertices.
+  double residual() const;
+  /// The derivative of gradient() by u; the unknowns that are not free have rows of the identity.
+  /// Lower triangle.
   const SparseMatrix& hessian();
+  const Unknowns& unknowns() const { return unknowns_; }
   int patternVersion() const { return pattern_version_; }
 
   const IntrinsicTriangulation& triangulation() const { return triangulation_; }
@@ -64,9 +71,11 @@ class PuncturedMetric {
   void setU(Index v, double value);
   void measure();
   ScaledFace needle(Index h) const;
+  std::vector<Index> freeUnknowns() const;
 
   IntrinsicTriangulation triangulation_;
   Index infinity_;
+  Unknowns unknowns_;
   std::size_t accepted_flips_ = 0;
   Eigen::VectorXd base_, u_;
   std::vector<double> scale_;

@@ -27,7 +27,9 @@ constexpr double kStraight = 1e-9;
 /// Relative to the residual of free vertices.
 constexpr double kEarlyRelease = 0.5;
 constexpr double kFineRegion = 1e-4;
-constexpr int kMaxIterations = 100;
+/// Real meshes take 4 to 10, stressed ones up to 20; another vertex at infinity is cheaper than
+/// more.
+constexpr int kMaxIterations = 40;
 constexpr int kMaxShortenings = 30;
 constexpr int kMaxReleases = 200;
 constexpr double kMaxStep = 8;
@@ -38,8 +40,9 @@ constexpr Index kCandidates = 6;
 /// The active-set Newton iteration for one vertex at infinity.
 class Solver {
  public:
-  Solver(Context& context, IntrinsicTriangulation triangulation, Index infinity)
-      : context_(context), metric_(std::move(triangulation), infinity) {}
+  Solver(Context& context, IntrinsicTriangulation triangulation, Index infinity,
+         const Unknowns& unknowns)
+      : context_(context), metric_(std::move(triangulation), infinity, unknowns) {}
 
   Status run(const Eigen::VectorXd& start) {
     RETURN_IF_ERROR(metric_.moveTo(context_, start));
@@ -85,18 +88,10 @@ class Solver {
  private:
   Index vertices() const { return metric_.triangulation().vertexCount(); }
 
-  Eigen::VectorXd gradientThere() const {
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(vertices());
-    for (Index v = 0; v < vertices(); ++v) {
-      if (metric_.isFree(v)) gradient[v] = 2 * kPi - metric_.angleSums()[v];
-    }
-    return gradient;
-  }
-
   void keep() {
     metric_.accept();
-    gradient_ = gradientThere();
-    residuals_.push_back(gradient_.cwiseAbs().maxCoeff());
+    gradient_ = metric_.gradient();
+    residuals_.push_back(metric_.residual());
   }
 
   /// One Newton step of the free vertices; false where rounding has the last word.
@@ -107,15 +102,19 @@ class Solver {
         const Eigen::VectorXd direction,
         system_.direction(context_, hessian, metric_.patternVersion(), false, {}, gradient_));
     const Eigen::VectorXd here = metric_.u();
+    Eigen::VectorXd change(vertices());
+    for (Index v = 0; v < vertices(); ++v) {
+      change[v] = metric_.isFree(v) ? direction[metric_.unknowns().of_vertex[v]] : 0;
+    }
     const double slope = gradient_.dot(direction);
     const double length = direction.cwiseAbs().maxCoeff();
     double t = length > kMaxStep ? kMaxStep / length : 1;
     for (int n = 0; n < kMaxShortenings; ++n, t /= 2) {
-      const Status moved = metric_.moveTo(context_, here + t * direction);
+      const Status moved = metric_.moveTo(context_, here + t * change);
       if (moved.reason() == Reason::kNoConvergence) continue;
       RETURN_IF_ERROR(moved);
-      const Eigen::VectorXd gradient = gradientThere();
-      const double after = gradient.cwiseAbs().maxCoeff();
+      const Eigen::VectorXd gradient = metric_.gradient();
+      const double after = metric_.residual();
       if (before < kRoundingRegion && after > before / 2) {
         if (after < before)
           keep();
@@ -151,8 +150,8 @@ class Solver {
     if (!any) return false;
     RETURN_IF_ERROR(metric_.moveTo(context_, Eigen::VectorXd(metric_.u())));
     metric_.accept();
-    gradient_ = gradientThere();
-    residuals_.back() = gradient_.cwiseAbs().maxCoeff();
+    gradient_ = metric_.gradient();
+    residuals_.back() = metric_.residual();
     return true;
   }
 
@@ -259,27 +258,39 @@ std::vector<double> spaceDistances(const std::vector<Eigen::Vector3d>& positions
   return distance;
 }
 
-/// The flat metric with three equal cones, far apart: a sound one in every class.
+/// Per unknown the number of its vertices.
+std::vector<Index> orbitSizes(const Unknowns& unknowns) {
+  std::vector<Index> sizes(unknowns.count, 0);
+  for (const Index n : unknowns.of_vertex) ++sizes[n];
+  return sizes;
+}
+
+/// The flat metric with three equal cones (orbits of them), far apart: a sound one in every class.
 Result<Start> coneMetric(Context& context, const Connectivity& surface,
-                         const std::vector<double>& lengths, bool initial_delaunay) {
+                         const std::vector<double>& lengths, bool initial_delaunay,
+                         const Unknowns& unknowns) {
   const Start given{IntrinsicTriangulation(surface, lengths),
                     std::vector<double>(surface.vertexCount(), 0.0)};
   std::vector<double> target(surface.vertexCount(), 0.0);
   std::vector<double> nearest(surface.vertexCount(), std::numeric_limits<double>::infinity());
+  const std::vector<Index> sizes = orbitSizes(unknowns);
   Index cone = 0;
   for (int n = 0; n < 3; ++n) {
-    target[cone] = 4 * kPi / 3;
-    const std::vector<double> distance = edgeDistances(given, cone);
-    for (std::size_t v = 0; v < distance.size(); ++v) {
-      nearest[v] = std::min(nearest[v], distance[v]);
+    const Index orbit = unknowns.of_vertex[cone];
+    for (Index w = 0; w < surface.vertexCount(); ++w) {
+      if (unknowns.of_vertex[w] != orbit) continue;
+      target[w] = 4 * kPi / (3 * sizes[orbit]);
+      const std::vector<double> distance = edgeDistances(given, w);
+      for (std::size_t v = 0; v < distance.size(); ++v) {
+        nearest[v] = std::min(nearest[v], distance[v]);
+      }
     }
     cone = static_cast<Index>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin());
   }
   PrescribeOptions options;
   options.initial_delaunay = initial_delaunay;
   ASSIGN_OR_RETURN(DiscreteMetric metric,
-                   prescribeCurvature(context, surface, lengths, target,
-                                      Unknowns::all(surface.vertexCount()), options));
+                   prescribeCurvature(context, surface, lengths, target, unknowns, options));
   return Start{std::move(metric.triangulation), std::move(metric.u)};
 }
 
@@ -293,7 +304,8 @@ bool hasLoop(const IntrinsicTriangulation& triangulation, Index v) {
 /// Vertices in the order in which they are tried: the most central ones in space first, or those
 /// with most neighbours; well apart in that order after the first.
 std::vector<Index> candidates(const IntrinsicTriangulation& triangulation,
-                              const std::vector<Eigen::Vector3d>& positions) {
+                              const std::vector<Eigen::Vector3d>& positions,
+                              const Unknowns& unknowns) {
   const Index count = triangulation.vertexCount();
   std::vector<double> key(count, 0.0);
   if (positions.empty()) {
@@ -310,12 +322,16 @@ std::vector<Index> candidates(const IntrinsicTriangulation& triangulation,
     center /= total;
     for (Index v = 0; v < count; ++v) key[v] = (positions[v] - center).norm();
   }
-  std::vector<Index> order(count);
-  std::iota(order.begin(), order.end(), 0);
+  const std::vector<Index> sizes = orbitSizes(unknowns);
+  std::vector<Index> order;
+  for (Index v = 0; v < count; ++v) {
+    if (sizes[unknowns.of_vertex[v]] == 1) order.push_back(v);
+  }
   std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return key[a] < key[b]; });
   std::vector<Index> chosen;
-  const Index tries = std::min(kCandidates, count);
-  for (Index n = 0; n < tries; ++n) chosen.push_back(order[n * (count / tries)]);
+  const auto fixed = static_cast<Index>(order.size());
+  const Index tries = std::min(kCandidates, fixed);
+  for (Index n = 0; n < tries; ++n) chosen.push_back(order[n * (fixed / tries)]);
   return chosen;
 }
 
@@ -352,12 +368,12 @@ PuncturedSphereMetric describe(const Solver& solver) {
 
 /// Tries one vertex at infinity after the other.
 template <typename Distances>
-Result<PuncturedSphereMetric> search(Context& context, const Start& start,
+Result<PuncturedSphereMetric> search(Context& context, const Start& start, const Unknowns& unknowns,
                                      const std::vector<Index>& tries, const Distances& distances) {
   Status failure{Reason::kNoConvergence, "every vertex that was tried has a loop around it"};
   for (const Index infinity : tries) {
     if (hasLoop(start.triangulation, infinity)) continue;
-    Solver solver(context, start.triangulation, infinity);
+    Solver solver(context, start.triangulation, infinity, unknowns);
     const Status solved = solver.run(invertedFactors(start, distances(infinity), infinity));
     if (solved.ok()) return describe(solver);
     if (solved.reason() != Reason::kNoConvergence) return solved;
@@ -366,17 +382,18 @@ Result<PuncturedSphereMetric> search(Context& context, const Start& start,
   return failure;
 }
 
-std::vector<Index> triesOf(const PuncturedSphereOptions& options,
+std::vector<Index> triesOf(const PuncturedSphereOptions& options, const Unknowns& unknowns,
                            const IntrinsicTriangulation& triangulation,
                            const std::vector<Eigen::Vector3d>& positions) {
   if (options.infinity != kNone) return {options.infinity};
-  return candidates(triangulation, positions);
+  return candidates(triangulation, positions, unknowns);
 }
 
 Result<PuncturedSphereMetric> fromSpace(Context& context, const Connectivity& surface,
                                         const std::vector<double>& lengths,
                                         const std::vector<Eigen::Vector3d>& positions,
-                                        const PuncturedSphereOptions& options) {
+                                        const PuncturedSphereOptions& options,
+                                        const Unknowns& unknowns) {
   const double mean =
       std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
   const double unit = 1 / (2 * mean);
@@ -384,21 +401,22 @@ Result<PuncturedSphereMetric> fromSpace(Context& context, const Connectivity& su
   for (double& length : half_chords) length *= unit;
   Start start{IntrinsicTriangulation(surface, half_chords),
               std::vector<double>(surface.vertexCount(), 0.0)};
-  const std::vector<Index> tries = triesOf(options, start.triangulation, positions);
+  const std::vector<Index> tries = triesOf(options, unknowns, start.triangulation, positions);
   if (options.initial_delaunay) {
     const Context::Stage stage(context, "delaunay");
     RETURN_IF_ERROR(flipToDelaunayIsometric(context, start.triangulation).status());
   }
-  return search(context, start, tries,
+  return search(context, start, unknowns, tries,
                 [&](Index infinity) { return spaceDistances(positions, unit, infinity); });
 }
 
 Result<PuncturedSphereMetric> fromCones(Context& context, const Connectivity& surface,
                                         const std::vector<double>& lengths,
-                                        const PuncturedSphereOptions& options) {
+                                        const PuncturedSphereOptions& options,
+                                        const Unknowns& unknowns) {
   ASSIGN_OR_RETURN(const Start start,
-                   coneMetric(context, surface, lengths, options.initial_delaunay));
-  return search(context, start, triesOf(options, start.triangulation, {}),
+                   coneMetric(context, surface, lengths, options.initial_delaunay, unknowns));
+  return search(context, start, unknowns, triesOf(options, unknowns, start.triangulation, {}),
                 [&](Index infinity) { return edgeDistances(start, infinity); });
 }
 
@@ -413,11 +431,14 @@ Result<PuncturedSphereMetric> uniformizePuncturedSphere(
                       std::to_string(surface.eulerCharacteristic()) + " and " +
                       std::to_string(surface.vertexCount()) + " vertices"};
   }
+  const Unknowns unknowns =
+      options.unknowns.count > 0 ? options.unknowns : Unknowns::all(surface.vertexCount());
   if (!positions.empty()) {
-    Result<PuncturedSphereMetric> found = fromSpace(context, surface, lengths, positions, options);
+    Result<PuncturedSphereMetric> found =
+        fromSpace(context, surface, lengths, positions, options, unknowns);
     if (found.status().reason() != Reason::kNoConvergence) return found;
   }
-  return fromCones(context, surface, lengths, options);
+  return fromCones(context, surface, lengths, options, unknowns);
 }
 
 }  // namespace moduli

@@ -7,6 +7,7 @@
 #include "core/base/status.h"
 #include "core/mesh/connectivity.h"
 #include "core/ricci/discrete_metric.h"
+#include "core/ricci/vertex_scaling.h"
 
 /// Uniformization of closed surfaces of genus 0: a vertex goes to infinity, the rest is flattened
 /// onto a convex polygon.
@@ -21,6 +22,9 @@ struct PuncturedSphereOptions {
   bool initial_delaunay = true;  ///< As in PrescribeOptions.
   /// The vertex to send to infinity; kNone: the nearest to the others, and other ones if it fails.
   Index infinity = kNone;
+  /// Vertices that a symmetry of the surface exchanges share an unknown, and the vertex at infinity
+  /// is one that it fixes. Empty: one unknown per vertex.
+  Unknowns unknowns = {};
 };
 
 struct PuncturedSphereMetric {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <complex>
 
-/// Which way triangles turn, decided without an error. Internal to this room.
+/// Which way triangles turn, decided without an error.
 namespace moduli::spherical {
 
 /// Sign of the determinant of three points of the sphere: 1 where a, b, c run counter-clockwise

@@ -89,19 +89,19 @@ class Tally {
   std::vector<double> log_ratios_;
 };
 
-/// Measures a map whose images are laid out by `frame` and turned as `orientation` says.
-template <typename Points, typename Frame>
+/// Measures a map whose images are laid out by `frame` and turned as `orientation` says. corner:
+/// the point of corner c of face f.
+template <typename Points, typename Corner, typename Frame>
 MapQuality measure(const Connectivity& surface, const std::vector<double>& any_lengths,
-                   const Points& points, const Frame& frame) {
+                   const Points& points, const Corner& corner, const Frame& frame) {
   const std::vector<double> lengths = unitLengths(any_lengths);
   const std::vector<double> areas = faceAreas(surface, lengths);
   Tally tally(surface.faceCount());
   for (Index f = 0; f < surface.faceCount(); ++f) {
-    const auto& [a, b, c] = surface.face(f);
+    const auto &a = points[corner(f, 0)], &b = points[corner(f, 1)], &c = points[corner(f, 2)];
     tally.add(frameFromSides(lengths[surface.edge(3 * f)], lengths[surface.edge(3 * f + 1)],
                              lengths[surface.edge(3 * f + 2)], areas[f]),
-              frame(points[a], points[b], points[c]),
-              spherical::orientationSign(points[a], points[b], points[c]));
+              frame(a, b, c), spherical::orientationSign(a, b, c));
   }
   return tally.finish();
 }
@@ -116,7 +116,8 @@ double signedSolidAngle(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
 
 MapQuality measureSphereMap(const Connectivity& surface, const std::vector<double>& lengths,
                             const Points3& points) {
-  MapQuality quality = measure(surface, lengths, points, chordFrame);
+  MapQuality quality = measure(
+      surface, lengths, points, [&](Index f, int c) { return surface.face(f)[c]; }, chordFrame);
   double solid_angle = 0;
   for (const auto& [a, b, c] : surface.faces()) {
     solid_angle += signedSolidAngle(points[a], points[b], points[c]);
@@ -127,7 +128,15 @@ MapQuality measureSphereMap(const Connectivity& surface, const std::vector<doubl
 
 MapQuality measurePlaneMap(const Connectivity& surface, const std::vector<double>& lengths,
                            const std::vector<std::complex<double>>& points) {
-  return measure(surface, lengths, points, planeFrame);
+  return measure(
+      surface, lengths, points, [&](Index f, int c) { return surface.face(f)[c]; }, planeFrame);
+}
+
+MapQuality measurePlaneMap(const Connectivity& surface, const std::vector<double>& lengths,
+                           const std::vector<std::complex<double>>& points,
+                           const std::vector<Index>& corner) {
+  return measure(
+      surface, lengths, points, [&](Index f, int c) { return corner[3 * f + c]; }, planeFrame);
 }
 
 }  // namespace moduli

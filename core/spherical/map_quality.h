@@ -41,6 +41,11 @@ MapQuality measureSphereMap(const Connectivity& surface, const std::vector<doubl
 MapQuality measurePlaneMap(const Connectivity& surface, const std::vector<double>& lengths,
                            const std::vector<std::complex<double>>& points);
 
+/// The same of a map with seams. corner: per halfedge h the point of tail(h) in its face.
+MapQuality measurePlaneMap(const Connectivity& surface, const std::vector<double>& lengths,
+                           const std::vector<std::complex<double>>& points,
+                           const std::vector<Index>& corner);
+
 /// Signed solid angle of a spherical triangle, positive when a, b, c run counter-clockwise seen
 /// from outside. Relative accuracy also for tiny triangles.
 double signedSolidAngle(const Eigen::Vector3d& a, const Eigen::Vector3d& b,

@@ -9,6 +9,7 @@
 
 #include "core/forms/cotan.h"
 #include "core/spherical/linear_map.h"
+#include "core/spherical/plane_lift.h"
 #include "core/spherical/sphere_start.h"
 
 namespace moduli {
@@ -34,7 +35,7 @@ struct PoledMap {
 Result<PoledMap> mapWithPole(Context& context, const DipoleMap& dipole, std::vector<double> areas,
                              Index face) {
   ASSIGN_OR_RETURN(const PlanePoints z, dipole.solve(context, face));
-  Points3 points = spherical::balancedLift(z, areas);
+  Points3 points = balancedLift(z, areas);
   points.push_back(Eigen::Vector3d::UnitZ());  // Infinity comes along, without weight.
   areas.push_back(0);
   ASSIGN_OR_RETURN(MobiusCentering centered, centerByMobius(context, std::move(points), areas));

@@ -10,23 +10,11 @@
 
 #include "core/forms/cotan.h"
 #include "core/linalg/spd_solver.h"
+#include "core/spherical/plane_lift.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli::spherical {
 namespace {
-
-/// The value that half of the weight lies below.
-double weightedMedian(std::vector<std::pair<double, double>> values_and_weights) {
-  std::sort(values_and_weights.begin(), values_and_weights.end());
-  double total = 0;
-  for (const auto& [value, weight] : values_and_weights) total += weight;
-  double sum = 0;
-  for (const auto& [value, weight] : values_and_weights) {
-    sum += weight;
-    if (sum >= total / 2) return value;
-  }
-  return values_and_weights.back().first;
-}
 
 /// Stiffness of unit weights with the rows of three vertices replaced by those of the identity, and
 /// what the three, held at the corners of a triangle, pull at the others.
@@ -76,24 +64,6 @@ Status checkSphere(const Connectivity& surface) {
               std::to_string(topology.genus) + " with " +
               std::to_string(topology.boundary_loops.size()) + " boundary loops in " +
               std::to_string(topology.components) + " component(s)"};
-}
-
-Points3 balancedLift(const PlanePoints& z, const std::vector<double>& areas) {
-  std::vector<std::pair<double, double>> values(z.size());
-  const auto median = [&](const auto& value) {
-    for (std::size_t i = 0; i < z.size(); ++i) values[i] = {value(z[i]), areas[i]};
-    return weightedMedian(values);
-  };
-  const std::complex<double> center(median([](const auto& w) { return w.real(); }),
-                                    median([](const auto& w) { return w.imag(); }));
-  const double radius = median([&](const auto& w) { return std::abs(w - center); });
-  Points3 points(z.size());
-  for (std::size_t i = 0; i < z.size(); ++i) {
-    const std::complex<double> w = (z[i] - center) / radius;
-    const double r2 = std::norm(w);
-    points[i] = Eigen::Vector3d(2 * w.real(), 2 * w.imag(), r2 - 1) / (1 + r2);
-  }
-  return points;
 }
 
 Points3 gaussMap(const Connectivity& surface, const std::vector<Eigen::Vector3d>& positions) {

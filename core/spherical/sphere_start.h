@@ -14,11 +14,6 @@ namespace moduli::spherical {
 /// Fails with kUnsupportedTopology unless the surface is closed, connected and of genus 0.
 Status checkSphere(const Connectivity& surface);
 
-/// Moves and scales the plane so that half of the surface's area lies on each side of both axes and
-/// of the unit circle, then lifts it to the sphere from the north pole. The plane keeps the
-/// relative precision of a crowded region that the sphere's points could not.
-Points3 balancedLift(const PlanePoints& z, const std::vector<double>& areas);
-
 /// Per vertex the unit normal, of the sum of its faces' normals weighted by their areas. Not finite
 /// where the sum vanishes. positions: per vertex. Of a surface oriented outwards it has degree 1.
 Points3 gaussMap(const Connectivity& surface, const std::vector<Eigen::Vector3d>& positions);

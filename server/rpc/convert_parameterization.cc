@@ -1,6 +1,7 @@
 #include "server/rpc/convert_parameterization.h"
 
 #include <cmath>
+#include <optional>
 
 namespace moduli {
 namespace {
@@ -13,6 +14,8 @@ static_assert(static_cast<int>(Scheme::kVertexScaling) + 1 == Options::VERTEX_SC
 static_assert(static_cast<int>(Scheme::kInversiveDistance) + 1 == Options::INVERSIVE_DISTANCE);
 static_assert(static_cast<int>(RicciSolver::kNewton) + 1 == Options::NEWTON);
 static_assert(static_cast<int>(RicciSolver::kFlow) + 1 == Options::FLOW);
+static_assert(static_cast<int>(MapMethod::kAuto) + 1 == Options::AUTO);
+static_assert(static_cast<int>(MapMethod::kRobust) + 1 == Options::ROBUST);
 
 /// Both enums name the same things, ours from 0 and the message's from 1; 0 is the default there.
 template <typename Core, typename Message>
@@ -31,25 +34,41 @@ FlatOptions fromProto(const v1::ParameterizationOptions& message) {
   return options;
 }
 
-v1::ParameterizationCertificate toProto(const FlatCertificate& certificate) {
+MapMethod fromProto(Options::Method method) {
+  return shifted(method, MapMethod::kAuto);
+}
+
+Options::Method toProto(MapMethod method) {
+  return static_cast<Options::Method>(static_cast<int>(method) + 1);
+}
+
+v1::ParameterizationCertificate toProto(const MapCertificate& certificate) {
   using Message = v1::ParameterizationCertificate;
   Message message;
-  const auto set = [&message](void (Message::*field)(double), double value) {
-    if (std::isfinite(value)) (message.*field)(value);
+  const auto set = [&message](void (Message::*field)(double), std::optional<double> value) {
+    if (value && std::isfinite(*value)) (message.*field)(*value);
   };
+  const MapQuality& quality = certificate.quality;
   set(&Message::set_curvature_residual, certificate.curvature_residual);
   set(&Message::set_gauss_bonnet_residual, certificate.gauss_bonnet_residual);
   set(&Message::set_layout_closure, certificate.layout_closure);
-  set(&Message::set_max_dilatation, certificate.max_dilatation);
-  set(&Message::set_mean_dilatation, certificate.mean_dilatation);
+  set(&Message::set_max_link_angle, certificate.max_link_angle);
   set(&Message::set_smallest_angle, certificate.smallest_angle);
+  set(&Message::set_centering_residual, certificate.centering_residual);
+  set(&Message::set_boundary_deviation, certificate.boundary_deviation);
+  set(&Message::set_clamped_fraction, certificate.clamped_fraction);
+  set(&Message::set_convergence_rate, certificate.convergence_rate);
   set(&Message::set_mollification, certificate.mollification);
-  if (certificate.clamped_fraction) {
-    set(&Message::set_clamped_fraction, *certificate.clamped_fraction);
-  }
-  message.set_flipped_faces(certificate.flipped_faces);
-  message.set_newton_iterations(certificate.newton_iterations);
-  message.set_flips(certificate.flips);
+  set(&Message::set_max_dilatation, quality.max_dilatation);
+  set(&Message::set_mean_dilatation, quality.mean_dilatation);
+  set(&Message::set_dilatation_95, quality.dilatation_95);
+  set(&Message::set_area_distortion, quality.area_distortion);
+  if (quality.covering_degree != 0) message.set_covering_degree(quality.covering_degree);
+  message.set_flipped_faces(quality.flipped_faces);
+  for (const double share : quality.dilatation_histogram) message.add_dilatation_histogram(share);
+  if (certificate.newton_iterations) message.set_newton_iterations(*certificate.newton_iterations);
+  if (certificate.flips) message.set_flips(*certificate.flips);
+  if (certificate.sweeps) message.set_sweeps(*certificate.sweeps);
   for (const std::string& warning : certificate.warnings) message.add_warnings(warning);
   return message;
 }

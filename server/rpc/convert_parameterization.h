@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/parameterize/flat.h"
+#include "core/parameterize/parameterization.h"
 #include "moduli/v1/parameterization.pb.h"
 
 /// Parameterizations as messages of the public API and back. Pure; O(size of the value).
@@ -10,7 +11,11 @@ namespace moduli {
 /// unspecified has its default.
 FlatOptions fromProto(const v1::ParameterizationOptions& options);
 
+/// kAuto where it is unspecified.
+MapMethod fromProto(v1::ParameterizationOptions::Method method);
+v1::ParameterizationOptions::Method toProto(MapMethod method);
+
 /// Numbers that are not finite are left out.
-v1::ParameterizationCertificate toProto(const FlatCertificate& certificate);
+v1::ParameterizationCertificate toProto(const MapCertificate& certificate);
 
 }  // namespace moduli

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/text.h"
+#include "server/service/named_vertex.h"
 
 namespace moduli {
 namespace {
@@ -12,25 +13,6 @@ constexpr double kPi = std::numbers::pi;
 
 Status refuse(const v1::Cone& cone, const std::string& why, const std::string& hint) {
   return {Reason::kInvalidOption, "a cone at vertex " + std::to_string(cone.vertex()) + why, hint};
-}
-
-Result<Index> placeOf(const v1::Cone& cone, const VertexPlaces& places) {
-  const auto count = static_cast<Index>(places.place.size());
-  if (cone.vertex() < 0 || cone.vertex() >= count) {
-    return refuse(cone, ", but the mesh has vertices 0 to " + std::to_string(count - 1),
-                  "vertices are counted from 0 in the file's order");
-  }
-  const Index place = places.place[cone.vertex()];
-  if (place == VertexPlaces::kSeveral) {
-    return refuse(cone, ", where repair has split the surface into several vertices",
-                  "put it at a vertex that is not pinched");
-  }
-  if (place != kNone) return place;
-  if (!places.used[cone.vertex()]) {
-    return refuse(cone, ", which no face uses", "put it at a vertex of the surface");
-  }
-  return refuse(cone, ", whose faces are in another component, or were dropped by repair",
-                "take its component with --component, or put the cone elsewhere");
 }
 
 Status checkCurvature(const v1::Cone& cone, bool on_boundary) {
@@ -51,7 +33,7 @@ Result<std::vector<Cone>> conesOnSurface(const ConeMessages& cones, const Connec
   std::vector<Cone> placed;
   std::vector<Index> holder(surface.vertexCount(), kNone);  // The input vertex of a cone there.
   for (const v1::Cone& cone : cones) {
-    ASSIGN_OR_RETURN(const Index place, placeOf(cone, places));
+    ASSIGN_OR_RETURN(const Index place, namedVertex("a cone", cone.vertex(), places));
     if (holder[place] == cone.vertex()) {
       return refuse(cone, " is given twice", "give each vertex one curvature");
     }

@@ -13,9 +13,15 @@
 #include "core/intrinsic/intrinsic_surface.h"
 #include "core/mesh/input_corners.h"
 #include "core/mesh/prepare.h"
+#include "core/parameterize/circle_domain.h"
+#include "core/parameterize/disk.h"
+#include "core/parameterize/flat.h"
+#include "core/parameterize/rectangle.h"
+#include "core/parameterize/sphere.h"
 #include "server/rpc/convert.h"
 #include "server/rpc/convert_parameterization.h"
 #include "server/service/cones.h"
+#include "server/service/named_vertex.h"
 #include "server/service/signing.h"
 
 namespace moduli {
@@ -90,8 +96,9 @@ Result<Subject> loadSubject(Context& context, const Backend& backend,
   return meshSubject(context, std::move(std::get<TriangleSoup>(*parsed)), options);
 }
 
-Result<FlatOptions> flatOptions(const v1::ParameterizationOptions& message,
-                                const Subject& subject) {
+using Options = v1::ParameterizationOptions;
+
+Result<FlatOptions> flatOptions(const Options& message, const Subject& subject) {
   FlatOptions options = fromProto(message);
   ASSIGN_OR_RETURN(options.cones,
                    conesOnSurface(message.cones(), subject.surface(), subject.places));
@@ -100,39 +107,94 @@ Result<FlatOptions> flatOptions(const v1::ParameterizationOptions& message,
   return options;
 }
 
-/// The map of the prepared mesh, as one of the input's faces.
-void mapBack(Subject subject, const FlatParameterization& map, ParameterizedSurface& surface) {
-  surface.positions = std::move(subject.soup.vertices);
-  surface.faces = std::move(subject.soup.faces);
-  surface.corners.assign(surface.faces.size(), {kNone, kNone, kNone});
-  std::vector<Index> number(map.points.size(), kNone);
-  for (std::size_t h = 0; h < subject.input_corners.size(); ++h) {
-    const Index corner = subject.input_corners[h];
-    if (corner == kNone) continue;
-    number[map.corner[h]] = 0;
-    surface.corners[corner / 3][corner % 3] = map.corner[h];
-  }
-  // Points that only faces in filled holes have are nobody's.
-  for (std::size_t p = 0; p < number.size(); ++p) {
-    if (number[p] == kNone) continue;
-    number[p] = static_cast<Index>(surface.points.size());
-    surface.points.push_back(map.points[p]);
-  }
-  for (Triangle& face : surface.corners) {
-    for (Index& point : face) point = point == kNone ? kNone : number[point];
-  }
+bool startsDelaunay(const Options& message) {
+  return !message.has_initial_delaunay() || message.initial_delaunay();
 }
 
-/// A surface without positions is what is laid out: a vertex for every point.
-void standInPlane(const FlatParameterization& map, ParameterizedSurface& surface) {
-  surface.points = map.points;
-  for (const std::complex<double>& z : map.points) {
-    surface.positions.emplace_back(z.real(), z.imag(), 0);
+bool refines(const Options& message) {
+  return !message.has_refine() || message.refine();
+}
+
+Result<std::optional<MobiusMap>> mobiusOf(const Options& message) {
+  if (message.mobius().empty()) return std::optional<MobiusMap>();
+  std::array<std::complex<double>, 4> entries;
+  for (int n = 0; n < 4; ++n) entries[n] = {message.mobius(n).re(), message.mobius(n).im()};
+  ASSIGN_OR_RETURN(const MobiusMap map,
+                   makeMobiusMap(entries[0], entries[1], entries[2], entries[3]));
+  return std::optional<MobiusMap>(map);
+}
+
+/// The surface's vertices at the corners that a request names; with their numbers in messages.
+Result<std::array<Index, 4>> cornersOnSurface(const Options& message, const Subject& subject) {
+  std::array<Index, 4> corners;
+  for (int n = 0; n < 4; ++n) {
+    ASSIGN_OR_RETURN(corners[n], namedVertex("a corner", message.corners(n), subject.places));
+    if (!subject.surface().isBoundaryVertex(corners[n])) {
+      return Status{Reason::kInvalidOption,
+                    "a corner at vertex " + std::to_string(message.corners(n)) +
+                        ", which is not on the boundary",
+                    "name four boundary vertices in their order, the surface on the left"};
+    }
   }
-  for (std::size_t h = 0; h < map.corner.size(); h += 3) {
-    surface.corners.push_back({map.corner[h], map.corner[h + 1], map.corner[h + 2]});
+  return corners;
+}
+
+Result<Parameterization> mapSurface(Context& context, const Options& message,
+                                    const Subject& subject) {
+  const Connectivity& surface = subject.surface();
+  const std::vector<double>& lengths = subject.lengths;
+  const std::vector<Eigen::Vector3d> none;
+  const std::vector<Eigen::Vector3d>& positions =
+      subject.prepared ? subject.prepared->mesh.positions() : none;
+  switch (message.target()) {
+    case Options::SPHERE: {
+      ASSIGN_OR_RETURN(const std::optional<MobiusMap> mobius, mobiusOf(message));
+      return parameterizeSphere(
+          context, surface, lengths, positions,
+          {fromProto(message.method()), startsDelaunay(message), refines(message), mobius});
+    }
+    case Options::DISK: {
+      ASSIGN_OR_RETURN(const std::optional<MobiusMap> mobius, mobiusOf(message));
+      return parameterizeDisk(
+          context, surface, lengths, positions,
+          {fromProto(message.method()), startsDelaunay(message), refines(message), mobius});
+    }
+    case Options::RECTANGLE: {
+      RETURN_IF_ERROR(checkRectangle(surface));
+      ASSIGN_OR_RETURN(const auto corners, cornersOnSurface(message, subject));
+      return parameterizeRectangle(context, surface, lengths, positions,
+                                   {corners, startsDelaunay(message), refines(message)});
+    }
+    case Options::CIRCLE_DOMAIN:
+      return parameterizeCircleDomain(
+          context, surface, lengths, positions,
+          {fromProto(message.method()), startsDelaunay(message), refines(message)});
+    default:
+      break;
   }
-  surface.faces = surface.corners;
+  ASSIGN_OR_RETURN(const FlatOptions options, flatOptions(message, subject));
+  return parameterizeFlat(context, surface, lengths, options);
+}
+
+v1::Parameterization describe(const Options& options, const Connectivity& surface,
+                              const Parameterization& map) {
+  v1::Parameterization result;
+  result.set_target(options.target());
+  result.set_refined(map.subdivision.has_value());
+  if (options.target() != Options::FLAT) result.set_method(toProto(map.method));
+  *result.mutable_certificate() = toProto(map.certificate);
+  if (map.modulus) result.set_modulus(*map.modulus);
+  for (const Circle& circle : map.circles) {
+    v1::PlaneCircle& message = *result.add_circles();
+    message.mutable_center()->set_re(circle.center.real());
+    message.mutable_center()->set_im(circle.center.imag());
+    message.set_radius(circle.radius);
+  }
+  if (map.subdivision) {
+    result.set_added_vertices(static_cast<int>(map.subdivision->vertices.size()));
+    result.set_added_faces(static_cast<int>(map.subdivision->faces.size()) - surface.faceCount());
+  }
+  return result;
 }
 
 /// One array of a parameterization: its shape, and its bytes in memory.
@@ -205,21 +267,17 @@ class Parts {
 Result<ParameterizedSurface> parameterizeMesh(Context& context, const Backend& backend,
                                               const v1::ParameterizeRequest& request) {
   ASSIGN_OR_RETURN(Subject subject, loadSubject(context, backend, request));
-  ASSIGN_OR_RETURN(const FlatOptions options, flatOptions(request.options(), subject));
-  ASSIGN_OR_RETURN(FlatParameterization map,
-                   parameterizeFlat(context, subject.surface(), subject.lengths, options));
-  ParameterizedSurface surface;
+  ASSIGN_OR_RETURN(Parameterization map, mapSurface(context, request.options(), subject));
   std::vector<std::string>& warnings = map.certificate.warnings;
   warnings.insert(warnings.begin(), subject.warnings.begin(), subject.warnings.end());
-  surface.result.set_target(request.options().target());
-  *surface.result.mutable_certificate() = toProto(map.certificate);
+  ParameterizedSurface surface;
+  surface.result = describe(request.options(), subject.surface(), map);
   surface.result.mutable_timing()->insert(context.timing().begin(), context.timing().end());
   if (request.omit_arrays()) return surface;
-  if (subject.intrinsic) {
-    standInPlane(map, surface);
-  } else {
-    mapBack(std::move(subject), map, surface);
-  }
+  static_cast<MappedFaces&>(surface) =
+      subject.intrinsic
+          ? imageAlone(subject.surface(), map)
+          : mapInputFaces(std::move(subject.soup), *subject.prepared, subject.input_corners, map);
   return surface;
 }
 

@@ -130,11 +130,42 @@ Refusal checkSpace(v1::Signature::Space space, const std::string& field) {
           field};
 }
 
+namespace {
+
+Refusal checkCorners(const v1::ParameterizationOptions& options, const std::string& field) {
+  const bool wanted = options.target() == v1::ParameterizationOptions::RECTANGLE;
+  if (options.corners_size() == (wanted ? 4 : 0)) return {};
+  const std::string count = std::to_string(options.corners_size());
+  return {{Reason::kInvalidOption,
+           wanted ? "a rectangle has four corners, not " + count
+                  : "corners are those of a RECTANGLE, which is not the target",
+           "name four boundary vertices in their order, the surface on the left"},
+          field + ".corners"};
+}
+
+Refusal checkMobius(const v1::ParameterizationOptions& options, const std::string& field) {
+  using Options = v1::ParameterizationOptions;
+  if (options.mobius().empty()) return {};
+  if (options.target() != Options::SPHERE && options.target() != Options::DISK) {
+    return {{Reason::kInvalidOption, "Möbius maps move a SPHERE or a DISK, which is not the target",
+             "leave the map out"},
+            field + ".mobius"};
+  }
+  if (options.mobius_size() == 4) return {};
+  return {{Reason::kInvalidOption,
+           "a Möbius map has four coefficients, not " + std::to_string(options.mobius_size()),
+           "give a, b, c and d of z -> (a z + b) / (c z + d)"},
+          field + ".mobius"};
+}
+
+}  // namespace
+
 Refusal checkParameterization(const v1::ParameterizationOptions& options,
                               const std::string& field) {
   using Options = v1::ParameterizationOptions;
   if (options.target() == Options::TARGET_UNSPECIFIED) {
-    return {{Reason::kInvalidRequest, "no target is given", "set target to FLAT"},
+    return {{Reason::kInvalidRequest, "no target is given",
+             "set target, for instance to SPHERE or FLAT"},
             field + ".target"};
   }
   return firstOf(
@@ -143,7 +174,8 @@ Refusal checkParameterization(const v1::ParameterizationOptions& options,
                   field),
       checkChoice(Options::Scheme_IsValid(options.scheme()), "scheme", options.scheme(), field),
       checkChoice(Options::Solver_IsValid(options.solver()), "solver", options.solver(), field),
-      checkCones(options, field));
+      checkChoice(Options::Method_IsValid(options.method()), "method", options.method(), field),
+      checkCones(options, field), checkCorners(options, field), checkMobius(options, field));
 }
 
 }  // namespace moduli

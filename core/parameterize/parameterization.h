@@ -1,0 +1,65 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <complex>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/intrinsic/subdivide.h"
+#include "core/spherical/circle.h"
+#include "core/spherical/map_quality.h"
+
+/// What all maps of this room have in common.
+namespace moduli {
+
+/// How a map of a surface of genus 0 is found.
+enum class MapMethod : std::uint8_t {
+  kAuto,      ///< Robust; another start, then finer faces, where the map folds.
+  kHeatFlow,  ///< Harmonic map by heat flow from the Gauss map.
+  kLinear,    ///< Linear solves alone: fast, may fold.
+  kRobust,    ///< Vertex scaling with flips, a vertex at infinity.
+};
+/// "auto", "heat-flow", "linear" or "robust".
+std::string methodName(MapMethod method);
+
+/// What judges a map; computed from the final numbers. Absent where it does not apply.
+struct MapCertificate {
+  MapQuality quality;                           ///< Of the faces that are returned.
+  std::optional<double> curvature_residual;     ///< max |K - target|, radians.
+  std::optional<double> gauss_bonnet_residual;  ///< |sum K - 2 pi chi|, radians.
+  std::optional<double> layout_closure;  ///< Largest gap of the layout, in lengths of its edge.
+  std::optional<double> max_link_angle;  ///< Of the polygon around infinity; at most pi, radians.
+  std::optional<double> smallest_angle;  ///< Of the final metric's triangulation, radians.
+  /// Distance of the images' mean from the centre of the sphere or disk.
+  std::optional<double> centering_residual;
+  /// Largest distance of a boundary vertex from its circle or side, over the size of the whole.
+  std::optional<double> boundary_deviation;
+  std::optional<double> clamped_fraction;  ///< Edges whose intersection angle was clamped.
+  std::optional<int> newton_iterations;
+  std::optional<int> flips;
+  std::optional<int> sweeps;               ///< Of the iteration that makes loops round.
+  std::optional<double> convergence_rate;  ///< By which a sweep shrinks what is left.
+  double mollification = 0;
+  std::vector<std::string> warnings;
+};
+
+/// A map of the faces of a surface to the plane, continuous but for seams, or to the sphere.
+struct Parameterization {
+  /// The faces that are mapped, where they are not those of the surface.
+  std::optional<Subdivision> subdivision;
+  /// To the sphere: per vertex its image of length 1, the new vertices behind the surface's.
+  std::vector<Eigen::Vector3d> sphere;
+  /// To the plane: the images of corners, each as often as seams cut it.
+  std::vector<std::complex<double>> points;
+  std::vector<Index> corner;  ///< Per halfedge h of the faces: the point of tail(h) in its face.
+  /// Width over height of a rectangle; log(outer / inner radius) / 2 pi of an annulus.
+  std::optional<double> modulus;
+  std::vector<Circle> circles;  ///< Of the boundary loops of a circle domain, the outer first.
+  MapMethod method = MapMethod::kAuto;  ///< What was done.
+  MapCertificate certificate;
+};
+
+}  // namespace moduli

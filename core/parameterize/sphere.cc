@@ -1,0 +1,169 @@
+#include "core/parameterize/sphere.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/intrinsic/mollify.h"
+#include "core/parameterize/genus_zero.h"
+#include "core/parameterize/refine.h"
+#include "core/spherical/exact_sign.h"
+#include "core/spherical/heat_flow.h"
+#include "core/spherical/sphere_map.h"
+
+namespace moduli {
+namespace {
+
+const char* const kMap = "the map to the sphere";
+
+class SphereMapping {
+ public:
+  SphereMapping(Context& context, const Connectivity& surface, const std::vector<double>& lengths,
+                const std::vector<Eigen::Vector3d>& positions, const SphereOptions& options)
+      : context_(context),
+        surface_(surface),
+        lengths_(lengths),
+        positions_(positions),
+        options_(options) {}
+
+  Result<Parameterization> run() {
+    RETURN_IF_ERROR(map());
+    return std::move(result_);
+  }
+
+ private:
+  Status map() {
+    switch (options_.method) {
+      case MapMethod::kLinear:
+        return linear();
+      case MapMethod::kHeatFlow:
+        return heatFlow();
+      case MapMethod::kAuto:
+      case MapMethod::kRobust:
+        break;
+    }
+    return robust();
+  }
+
+  Status linear() {
+    result_.method = MapMethod::kLinear;
+    ASSIGN_OR_RETURN(SphereMap map, mapToSphereLinear(context_, surface_, lengths_));
+    result_.certificate.centering_residual = map.centering_residual;
+    return finish(std::move(map.points), surface_, lengths_);
+  }
+
+  Status heatFlow() {
+    result_.method = MapMethod::kHeatFlow;
+    ASSIGN_OR_RETURN(HeatFlowMap map,
+                     mapToSphereHeatFlow(context_, surface_, lengths_, positions_));
+    result_.certificate.centering_residual = map.centering_residual;
+    result_.certificate.flips = static_cast<int>(map.flips);
+    return finish(std::move(map.points), surface_, lengths_);
+  }
+
+  Status robust() {
+    result_.method = MapMethod::kRobust;
+    for (const bool initial_delaunay : {options_.initial_delaunay, !options_.initial_delaunay}) {
+      Result<IdealPolyhedron> ideal = solve(initial_delaunay);
+      if (ideal.status().reason() == Reason::kNoConvergence) {
+        failure_ = ideal.status();
+        continue;
+      }
+      RETURN_IF_ERROR(ideal.status());
+      const Index folded = countFolds(*ideal);
+      if (folded == 0) return keep(*ideal);
+      failure_ = foldedMap(kMap, folded, surface_.faceCount(),
+                           "--refine auto cuts these faces; finer or less obtuse ones avoid it");
+      if (!initial_delaunay) unflipped_ = *std::move(ideal);
+    }
+    if (!unflipped_ || !options_.refine) return failure_;
+    return refine(*unflipped_);
+  }
+
+  Result<IdealPolyhedron> solve(bool initial_delaunay) {
+    PuncturedSphereOptions options;
+    options.initial_delaunay = initial_delaunay;
+    return mapToIdealPolyhedron(context_, surface_, lengths_, positions_, options);
+  }
+
+  std::vector<bool> folds(const IdealPolyhedron& ideal) const {
+    return foldedFaces(surface_, ideal.points, [](const auto& a, const auto& b, const auto& c) {
+      return spherical::orientationSign(a, b, c);
+    });
+  }
+
+  Index countFolds(const IdealPolyhedron& ideal) const {
+    const std::vector<bool> folded = folds(ideal);
+    return static_cast<Index>(std::count(folded.begin(), folded.end(), true));
+  }
+
+  Status keep(IdealPolyhedron& ideal) {
+    certify(ideal);
+    return finish(std::move(ideal.points), surface_, lengths_);
+  }
+
+  Status refine(const IdealPolyhedron& ideal) {
+    certify(ideal);
+    ASSIGN_OR_RETURN(RefinedSurface refined,
+                     refineFolds(context_, surface_, lengths_, ideal, folds(ideal)));
+    result_.subdivision = std::move(refined.subdivision);
+    return finish(std::move(refined.points), refined.surface, refined.lengths);
+  }
+
+  /// Moves the points as asked, and measures what comes out.
+  Status finish(Points3 points, const Connectivity& surface, const std::vector<double>& lengths) {
+    if (options_.mobius) {
+      for (Eigen::Vector3d& point : points) point = (*options_.mobius)(point);
+      result_.certificate.centering_residual.reset();
+    }
+    MapQuality& quality = result_.certificate.quality;
+    quality = measureSphereMap(surface, lengths, points);
+    if (quality.flipped_faces > 0) {
+      return foldedMap(kMap, quality.flipped_faces, surface.faceCount(),
+                       options_.mobius
+                           ? "the Möbius map crowds parts more than doubles tell apart"
+                           : "its limbs are thinner than doubles tell apart on a sphere");
+    }
+    result_.sphere = std::move(points);
+    for (Index h = 0; h < surface.halfedgeCount(); ++h) result_.corner.push_back(surface.tail(h));
+    return {};
+  }
+
+  void certify(const IdealPolyhedron& ideal) {
+    MapCertificate& certificate = result_.certificate;
+    const MetricCertificate& metric = ideal.metric.metric.certificate;
+    certificate.curvature_residual = metric.curvature_residual;
+    certificate.gauss_bonnet_residual = metric.gauss_bonnet_residual;
+    certificate.layout_closure = ideal.layout_closure;
+    certificate.max_link_angle = ideal.metric.max_link_angle;
+    certificate.smallest_angle = metric.smallest_angle;
+    certificate.centering_residual = ideal.centering_residual;
+    certificate.newton_iterations = metric.newton_iterations;
+    certificate.flips = metric.flips;
+  }
+
+  Context& context_;
+  const Connectivity& surface_;
+  const std::vector<double>& lengths_;
+  const std::vector<Eigen::Vector3d>& positions_;
+  const SphereOptions& options_;
+  Status failure_;
+  std::optional<IdealPolyhedron>
+      unflipped_;  ///< Folds; all of its flips are by Ptolemy's relation.
+  Parameterization result_;
+};
+
+}  // namespace
+
+Result<Parameterization> parameterizeSphere(Context& context, const Connectivity& surface,
+                                            const std::vector<double>& lengths,
+                                            const std::vector<Eigen::Vector3d>& positions,
+                                            const SphereOptions& options) {
+  RETURN_IF_ERROR(checkGenusZero(surface, kMap, 0, 0));
+  ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
+  ASSIGN_OR_RETURN(Parameterization result,
+                   SphereMapping(context, surface, mollified.lengths, positions, options).run());
+  result.certificate.mollification = mollified.relative_shift;
+  return result;
+}
+
+}  // namespace moduli
