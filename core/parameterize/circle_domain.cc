@@ -1,6 +1,5 @@
 #include "core/parameterize/circle_domain.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +12,7 @@
 #include "core/parameterize/genus_zero.h"
 #include "core/parameterize/refine.h"
 #include "core/spherical/cap_loops.h"
+#include "core/spherical/circle_domain_map.h"
 #include "core/spherical/exact_sign.h"
 #include "core/spherical/heat_flow.h"
 #include "core/spherical/koebe.h"
@@ -26,47 +26,6 @@ using Complex = std::complex<double>;
 using Loops = std::vector<std::vector<Index>>;
 
 const char* const kMap = "the map to the circle domain";
-
-/// The boundary loops, as halfedges, the longest one first.
-Loops loopsOf(const Connectivity& surface, const std::vector<double>& lengths) {
-  Loops loops = computeTopology(surface).boundary_loops;
-  std::size_t longest = 0;
-  double length = 0;
-  for (std::size_t n = 0; n < loops.size(); ++n) {
-    double sum = 0;
-    for (const Index h : loops[n]) sum += lengths[surface.edge(h)];
-    if (sum <= length) continue;
-    length = sum;
-    longest = n;
-  }
-  std::rotate(loops.begin(), loops.begin() + static_cast<std::ptrdiff_t>(longest),
-              loops.begin() + static_cast<std::ptrdiff_t>(longest) + 1);
-  return loops;
-}
-
-Loops tailsOf(const Connectivity& surface, Loops loops) {
-  for (std::vector<Index>& loop : loops) {
-    for (Index& h : loop) h = surface.tail(h);
-  }
-  return loops;
-}
-
-/// The plane around the sphere with `pole` at infinity, counter-clockwise as seen from outside.
-class Stereographic {
- public:
-  explicit Stereographic(const Eigen::Vector3d& pole) : pole_(pole) {
-    right_ = pole.unitOrthogonal();
-    up_ = right_.cross(pole);  // Seen from outside at the opposite point.
-  }
-  Complex operator()(const Eigen::Vector3d& point) const {
-    // 1 - <point, pole>, without its cancellation.
-    const double height = (point - pole_).squaredNorm() / 2;
-    return Complex(point.dot(right_), point.dot(up_)) / height;
-  }
-
- private:
-  Eigen::Vector3d pole_, right_, up_;
-};
 
 constexpr int kMostSplits = 3;
 
@@ -93,12 +52,12 @@ class CircleDomainMapping {
         surface_(surface),
         lengths_(lengths),
         options_(options),
-        loops_(loopsOf(surface, lengths)),
+        loops_(loopsLongestFirst(surface, lengths)),
         positions_(std::move(positions)) {}
 
   Result<Parameterization> run() {
     ASSIGN_OR_RETURN(capped_, capLoops(surface_, lengths_, loops_));
-    placeApexes();
+    positions_ = cappedPositions(surface_, loops_, std::move(positions_));
     if (options_.method == MapMethod::kLinear || options_.method == MapMethod::kHeatFlow) {
       ASSIGN_OR_RETURN(const Points3 points, simpleMap());
       result_.method = options_.method;
@@ -109,16 +68,6 @@ class CircleDomainMapping {
   }
 
  private:
-  /// In space the new vertices stand in the middle of their loops.
-  void placeApexes() {
-    if (positions_.empty()) return;
-    for (const std::vector<Index>& loop : loops_) {
-      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-      for (const Index h : loop) middle += positions_[surface_.tail(h)];
-      positions_.push_back(middle / static_cast<double>(loop.size()));
-    }
-  }
-
   Result<Points3> simpleMap() {
     if (options_.method == MapMethod::kLinear) {
       ASSIGN_OR_RETURN(SphereMap map,
@@ -159,7 +108,7 @@ class CircleDomainMapping {
   /// round; cuts the few faces that cannot follow.
   Status roundLoops(const Points3& sphere) {
     PlaneDomain plane{surface_, lengths_, unfolded(sphere, surface_.vertexCount(), sphere),
-                      tailsOf(surface_, loops_)};
+                      loopVertices(surface_, loops_)};
     Status status = roundLoops(plane);
     if (status.reason() != Reason::kFoldedMap || !options_.refine) return status;
     const std::vector<bool> folded = folded_;
@@ -171,11 +120,9 @@ class CircleDomainMapping {
     return status;
   }
 
+  /// The first points of the sphere, around the apex of the outer loop.
   std::vector<Complex> unfolded(const Points3& points, Index count, const Points3& sphere) const {
-    const Stereographic plane(sphere[capped_->apex[0]]);
-    std::vector<Complex> result;
-    for (Index v = 0; v < count; ++v) result.push_back(plane(points[v]));
-    return result;
+    return unfoldSphere(Points3(points.begin(), points.begin() + count), sphere[capped_->apex[0]]);
   }
 
   /// Leaves in folded_ what folds then.
@@ -264,7 +211,8 @@ class CircleDomainMapping {
       for (const Index h : loops_[n]) loop_of[surface_.tail(h)] = n;
     }
     Loops ordered(loops_.size());
-    for (std::vector<Index>& loop : tailsOf(surface, computeTopology(surface).boundary_loops)) {
+    for (std::vector<Index>& loop :
+         loopVertices(surface, computeTopology(surface).boundary_loops)) {
       const auto known = std::find_if(loop.begin(), loop.end(),
                                       [&](Index v) { return loop_of[v] < loops_.size(); });
       ordered[loop_of[*known]] = std::move(loop);
