@@ -101,7 +101,7 @@ OptionSpec formatOption() {
   return {.names = "--format",
           .value = "FORMAT",
           .help = "Format of the mesh; by default its content tells, then its extension",
-          .choices = {"obj", "off", "ply", "stl", "json"}};
+          .choices = {"obj", "off", "ply", "stl", "json", "gifti", "freesurfer"}};
 }
 
 OptionSpec initialDelaunayOption() {

@@ -75,6 +75,10 @@ v1::MeshSource::Format protoFormat(const std::string& name) {
       return v1::MeshSource::STL;
     case MeshFormat::kJson:
       return v1::MeshSource::JSON;
+    case MeshFormat::kGifti:
+      return v1::MeshSource::GIFTI;
+    case MeshFormat::kFreeSurfer:
+      return v1::MeshSource::FREESURFER;
   }
   return v1::MeshSource::FORMAT_UNSPECIFIED;
 }

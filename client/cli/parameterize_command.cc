@@ -1,5 +1,9 @@
+#include <array>
 #include <cctype>
+#include <charconv>
+#include <complex>
 #include <optional>
+#include <vector>
 
 #include "client/cli/command.h"
 #include "client/cli/file_writer.h"
@@ -35,6 +39,75 @@ Options::Boundary boundaryOf(const Arguments& arguments) {
   return valueOf(arguments.text("boundary"), Options::Boundary_Parse);
 }
 
+// "1", "-0.5", "2i", "0.3-1.2i": a number with or without an imaginary part.
+std::optional<std::complex<double>> parseComplex(std::string_view word) {
+  const auto number = [](std::string_view text) -> std::optional<double> {
+    if (text == "+" || text == "-" || text.empty()) return text == "-" ? -1 : 1;
+    if (text.front() == '+') text.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+  };
+  if (word.empty()) return std::nullopt;
+  if (word.back() != 'i') {
+    const std::optional<double> real = number(word);
+    const bool digits = word.find_first_of("0123456789") != std::string_view::npos;
+    return real && digits ? std::optional(std::complex<double>(*real, 0)) : std::nullopt;
+  }
+  word.remove_suffix(1);
+  // The sign that starts the imaginary part: the last one that belongs to no exponent.
+  std::size_t split = word.size();
+  while (split-- > 0) {
+    const bool sign = word[split] == '+' || word[split] == '-';
+    if (sign && (split == 0 || (word[split - 1] != 'e' && word[split - 1] != 'E'))) break;
+  }
+  if (split == std::string_view::npos) split = 0;
+  const std::optional<double> imaginary = number(word.substr(split));
+  const std::optional<double> real = split == 0 ? 0 : number(word.substr(0, split));
+  if (!real || !imaginary) return std::nullopt;
+  return std::complex<double>(*real, *imaginary);
+}
+
+std::vector<std::string> listed(const std::string& text) {
+  std::vector<std::string> words(1);
+  for (const char c : text) {
+    if (c == ',') {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
+// Four boundary vertices; nothing where they are not that.
+std::optional<std::array<int, 4>> parseCorners(const std::string& text) {
+  const std::vector<std::string> words = listed(text);
+  std::array<int, 4> corners{};
+  if (words.size() != corners.size()) return std::nullopt;
+  for (std::size_t n = 0; n < corners.size(); ++n) {
+    const std::string& word = words[n];
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), corners[n]);
+    if (error != std::errc() || end != word.data() + word.size() || corners[n] < 0) {
+      return std::nullopt;
+    }
+  }
+  return corners;
+}
+
+std::optional<std::array<std::complex<double>, 4>> parseMobius(const std::string& text) {
+  const std::vector<std::string> words = listed(text);
+  std::array<std::complex<double>, 4> entries;
+  if (words.size() != entries.size()) return std::nullopt;
+  for (std::size_t n = 0; n < entries.size(); ++n) {
+    const std::optional<std::complex<double>> entry = parseComplex(words[n]);
+    if (!entry) return std::nullopt;
+    entries[n] = *entry;
+  }
+  return entries;
+}
+
 Status readInto(const std::string& path, const std::string& hint, std::vector<ConeLine>& cones) {
   const Result<std::vector<ConeLine>> lines = readCones(path);
   if (!lines.ok()) {
@@ -54,6 +127,21 @@ Result<Options> optionsOf(const Arguments& arguments) {
   options.set_scheme(valueOf(arguments.text("scheme"), Options::Scheme_Parse));
   options.set_solver(valueOf(arguments.text("solver"), Options::Solver_Parse));
   options.set_boundary(boundaryOf(arguments));
+  options.set_method(valueOf(arguments.text("method"), Options::Method_Parse));
+  if (arguments.has("refine")) options.set_refine(arguments.text("refine") == "auto");
+  if (arguments.has("corners")) {
+    const auto corners = parseCorners(arguments.text("corners")).value_or(std::array<int, 4>{});
+    for (const int corner : corners) options.add_corners(corner);
+  }
+  if (arguments.has("mobius")) {
+    const auto mobius =
+        parseMobius(arguments.text("mobius")).value_or(std::array<std::complex<double>, 4>{});
+    for (const std::complex<double>& entry : mobius) {
+      v1::Complex& message = *options.add_mobius();
+      message.set_re(entry.real());
+      message.set_im(entry.imag());
+    }
+  }
   if (arguments.has("initial-delaunay")) {
     options.set_initial_delaunay(arguments.text("initial-delaunay") == "on");
   }
@@ -118,6 +206,19 @@ std::optional<std::string> checkParameterize(const Arguments& arguments) {
   if (arguments.has("boundary") && arguments.text("boundary").empty()) {
     return "--boundary takes straight, circle, free or a file";
   }
+  if (arguments.has("corners") && !parseCorners(arguments.text("corners"))) {
+    return "--corners takes four vertices of the boundary such as 0,12,40,55, not '" +
+           arguments.text("corners") + "'";
+  }
+  if (arguments.has("mobius") && !parseMobius(arguments.text("mobius"))) {
+    return "--mobius takes four numbers such as 1,0.2-0.1i,0.2+0.1i,1, not '" +
+           arguments.text("mobius") + "'";
+  }
+  const bool rectangle = arguments.text("to") == "rectangle";
+  if (rectangle != arguments.has("corners")) {
+    return rectangle ? "--to rectangle needs its four corners: --corners a,b,c,d"
+                     : "--corners are those of --to rectangle";
+  }
   if (!arguments.has("output")) return std::nullopt;
   const std::string output = arguments.text("output");
   const std::size_t dot = output.rfind('.');
@@ -133,12 +234,30 @@ std::vector<OptionSpec> parameterizeOptions() {
       {.names = "--to",
        .value = "TARGET",
        .help = "Where to",
-       .choices = {"flat"},
+       .choices = {"sphere", "disk", "circle-domain", "rectangle", "flat"},
        .required = true},
       {.names = "-o,--output",
        .value = "OUT.obj",
        .help = "Write the surface with its map; without it the certificate is printed alone",
        .completion = Completion::kFile},
+      {.names = "--method",
+       .value = "METHOD",
+       .help = "How maps to the sphere and to disks are found (auto): 'robust' flattens with flips "
+               "around a vertex at infinity, 'linear' solves linear systems alone, 'heat-flow' "
+               "flows from the Gauss map to the harmonic one, disks by their double",
+       .choices = {"auto", "robust", "linear", "heat-flow"}},
+      {.names = "--corners",
+       .value = "A,B,C,D",
+       .help = "With --to rectangle: four vertices of the boundary in its order, the surface on "
+               "the left; they go to 0, M, M + i and i"},
+      {.names = "--mobius",
+       .value = "A,B,C,D",
+       .help = "With --to sphere or disk: moves the result by z -> (A z + B) / (C z + D), four "
+               "numbers such as 0.5-2i; a disk must stay one"},
+      {.names = "--refine",
+       .value = "auto|off",
+       .help = "Cut faces where no map of the given ones is free of folds (auto), or fail there",
+       .choices = {"auto", "off"}},
       {.names = "--cones",
        .value = "FILE",
        .help = "Lines 'vertex curvature' (radians): where the plane has cones",
@@ -169,16 +288,23 @@ std::vector<OptionSpec> parameterizeOptions() {
 std::vector<CommandSpec> parameterizeCommands() {
   return {
       {.path = "parameterize",
-       .summary = "Map a surface to the plane, keeping angles",
+       .summary = "Map a surface to the sphere, a disk or the plane, keeping angles",
        .details =
-           "Finds the metric that has the same angles, as far as a discrete one can, and is flat "
-           "but for the cones that --cones names, cuts the surface open through them, and lays it "
-           "out in the plane, at the area of the surface. On a closed surface the curvatures of "
-           "the cones must sum to 2 pi times its Euler characteristic: 4 pi on a sphere; a torus "
-           "needs none. OUT.obj keeps the vertices, the faces (polygons as fans) and the order of "
-           "their corners, and has a texture point for each corner. Faces of other components, and "
-           "what --repair drops, are written without. The certificate tells how near the metric is "
-           "to what was asked for, and how far the map is from keeping angles.",
+           "--to sphere: a closed surface without handles, on the unit sphere, its centre of area "
+           "in the middle. --to disk: one with one boundary loop, likewise. --to rectangle: the "
+           "same with four corners; its width at height 1 is its modulus. --to circle-domain: one "
+           "with boundary loops, to the unit disk with round holes. --to flat: any surface, by the "
+           "metric that has the same angles, as far as a discrete one can, and is flat but for the "
+           "cones that --cones names, cut open through them and laid out at the area of the "
+           "surface; on a closed surface the curvatures of the cones must sum to 2 pi times its "
+           "Euler characteristic: 4 pi on a sphere; a torus needs none. OUT.obj keeps the "
+           "vertices, "
+           "the faces (polygons as fans) and the order of their corners, and has a texture point "
+           "for each corner; on the sphere the vertices themselves move. Faces of other "
+           "components, "
+           "and what --repair drops, are written without. Where a face has to be cut, its pieces "
+           "stand in its place and new vertices follow the input's. The certificate tells how near "
+           "the map is to what was asked for, and how far it is from keeping angles.",
        .arguments = {{.name = "MESH",
                       .help =
                           "A file, '-' for standard input, or COLLECTION/SHAPE of the store; an "
@@ -187,7 +313,11 @@ std::vector<CommandSpec> parameterizeCommands() {
        .options = parameterizeOptions(),
        .check = checkParameterize,
        .run = runParameterize,
-       .examples = "moduli parameterize torus.ply --to flat -o flat.obj\n"
+       .examples = "moduli parameterize bunny.obj --to sphere -o sphere.obj\n"
+                   "moduli parameterize face.obj --to disk --mobius 1,0.3i,-0.3i,1 -o disk.obj\n"
+                   "moduli parameterize face.obj --to rectangle --corners 0,40,80,120 --json\n"
+                   "moduli parameterize plate.obj --to circle-domain -o circles.obj\n"
+                   "moduli parameterize torus.ply --to flat -o flat.obj\n"
                    "moduli parameterize bunny.obj --to flat --cones cones.txt -o bunny-uv.obj\n"
                    "moduli parameterize face.obj --to flat --boundary circle --json"}};
 }

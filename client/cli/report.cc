@@ -171,7 +171,40 @@ std::string metricLine(const v1::ParameterizationCertificate& certificate) {
   if (certificate.has_clamped_fraction()) {
     parts.push_back(brief(certificate.clamped_fraction()) + " of the edges clamped");
   }
+  if (certificate.has_sweeps()) {
+    parts.push_back(counted(certificate.sweeps(), "sweep", "sweeps") + " over the loops");
+  }
+  if (certificate.has_convergence_rate()) {
+    parts.push_back("each shrinks the error by " + brief(certificate.convergence_rate()));
+  }
+  if (certificate.has_boundary_deviation()) {
+    parts.push_back("boundary in place up to " + brief(certificate.boundary_deviation()));
+  }
   return joinedLine("metric", parts);
+}
+
+std::string domainLines(const v1::Parameterization& result) {
+  std::string text;
+  if (result.method() != v1::ParameterizationOptions::METHOD_UNSPECIFIED) {
+    text += line("method", v1::ParameterizationOptions::Method_Name(result.method()));
+  }
+  if (result.has_modulus()) text += line("modulus", brief(result.modulus()));
+  constexpr int kShown = 6;
+  for (int n = 0; n < std::min(kShown, result.circles_size()); ++n) {
+    const v1::PlaneCircle& circle = result.circles(n);
+    text += line(n == 0 ? "circles" : "", "radius " + brief(circle.radius()) + " around " +
+                                              brief(circle.center().re()) +
+                                              (circle.center().im() < 0 ? " - " : " + ") +
+                                              brief(std::abs(circle.center().im())) + " i");
+  }
+  if (result.circles_size() > kShown) {
+    text += line("", "and " + std::to_string(result.circles_size() - kShown) + " more");
+  }
+  if (result.refined()) {
+    text += line("refined", counted(result.added_vertices(), "vertex", "vertices") + " and " +
+                                counted(result.added_faces(), "face", "faces") + " added");
+  }
+  return text;
 }
 
 std::string timeLine(const google::protobuf::Map<std::string, double>& timing) {
@@ -218,8 +251,9 @@ std::string parameterizationReport(const std::string& title, const v1::Parameter
   const v1::ParameterizationCertificate& certificate = result.certificate();
   return safe(title) + "\n" +
          line("target", v1::ParameterizationOptions::Target_Name(result.target())) +
-         metricLine(certificate) + joinedLine("quality", mapParts(certificate)) +
-         warningLines(certificate.warnings()) + timeLine(result.timing());
+         domainLines(result) + metricLine(certificate) +
+         joinedLine("quality", mapParts(certificate)) + warningLines(certificate.warnings()) +
+         timeLine(result.timing());
 }
 
 std::string distancesReport(const v1::SignatureDistances& distances) {

@@ -7,6 +7,7 @@
 #include "core/base/text.h"
 #include "core/intrinsic/intrinsic_json.h"
 #include "core/intrinsic/intrinsic_samples.h"
+#include "core/mesh/deflate.h"
 #include "core/mesh/samples.h"
 #include "core/mesh/write.h"
 
@@ -81,13 +82,13 @@ std::optional<std::string> checkSample(const Arguments& arguments) {
   if (!arguments.has("output")) return "-o FILE is missing";
   if (!outputFormat(arguments)) {
     return "the extension of " + arguments.text("output") +
-           " tells no format; give --format obj, off, ply, stl or json";
+           " tells no format; give --format obj, off, ply, stl, json or gifti";
   }
   if (isIntrinsic(kind->name) && outputFormat(arguments) != MeshFormat::kJson) {
     return kind->name + " has no positions in space; give -o FILE.json";
   }
   if (arguments.has("binary") && outputFormat(arguments) == MeshFormat::kJson) {
-    return "--binary is for ply and stl";
+    return "--binary is for ply, stl and gifti";
   }
   return std::nullopt;
 }
@@ -143,6 +144,8 @@ Result<Sample> meshSample(TriangleSoup soup, const std::string& output, MeshForm
   }
   Result<std::string> bytes = writeMesh(soup, format, encoding);
   if (!bytes.ok()) return about(output, bytes.status());
+  // x.gii.gz is x.gii, compressed as a whole.
+  if (format == MeshFormat::kGifti && output.ends_with(".gz")) bytes = gzipBytes(*bytes);
   return Sample{*std::move(bytes), soup.vertices.size(), soup.faces.size()};
 }
 
@@ -220,8 +223,10 @@ std::vector<CommandSpec> sampleCommands() {
                    {.names = "--format",
                     .value = "FORMAT",
                     .help = "Write this format whatever the extension",
-                    .choices = {"obj", "off", "ply", "stl", "json"}},
-                   {.names = "--binary", .value = "", .help = "Binary PLY or STL"},
+                    .choices = {"obj", "off", "ply", "stl", "json", "gifti"}},
+                   {.names = "--binary",
+                    .value = "",
+                    .help = "Binary PLY or STL, compressed GIFTI"},
                    {.names = "--list", .value = "", .help = "List the kinds"}},
        .check = checkSample,
        .run = runSample,

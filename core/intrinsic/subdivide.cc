@@ -49,55 +49,158 @@ void cut(const Polygon& polygon, const std::vector<Overlay::Chord>& chords,
   cut(outer, outer_chords, cells);
 }
 
-class Cutter {
+/// Faces with new vertices on their sides.
+class FaceCutter {
  public:
-  Cutter(Context& context, const Overlay& overlay, std::vector<bool> faces, Index limit,
-         const SubdivisionImage& image)
-      : context_(context),
-        overlay_(overlay),
+  FaceCutter(const Connectivity& given, const SubdivisionImage& image)
+      : given_(given),
+        image_(image),
+        new_vertices_(given.edgeCount()),
+        pieces_(given.faceCount()) {}
+
+  bool isCut(Index e) const { return !new_vertices_[e].empty(); }
+
+  /// Puts vertices on an edge, in the order from the tail of its halfedge.
+  void insert(Index e, const std::vector<Subdivision::Vertex>& vertices) {
+    for (const Subdivision::Vertex& vertex : vertices) {
+      new_vertices_[e].push_back(given_.vertexCount() +
+                                 static_cast<Index>(result_.vertices.size()));
+      result_.vertices.push_back(vertex);
+      if (image_.locate) image_.locate(vertex);
+    }
+  }
+
+  /// The corners of a face and the new vertices on its sides.
+  Polygon boundaryOf(Index f) const {
+    Polygon polygon;
+    for (int c = 0; c < 3; ++c) {
+      const Index h = 3 * f + c;
+      polygon.push_back({given_.tail(h), (1 << c) | (1 << ((c + 2) % 3))});
+      std::vector<Index> vertices = new_vertices_[given_.edge(h)];
+      if (given_.sign(h) < 0) std::reverse(vertices.begin(), vertices.end());
+      for (const Index v : vertices) polygon.push_back({v, 1 << c});
+    }
+    return polygon;
+  }
+
+  /// Makes these polygons the pieces of a face; false where `strict` and the orientation of some
+  /// piece cannot be kept.
+  bool cutInto(Index f, const std::vector<Polygon>& cells, bool strict) {
+    std::vector<Triangle> pieces;
+    for (const Polygon& cell : cells) {
+      std::optional<std::vector<Triangle>> triangles = triangulate(cell, true);
+      if (!triangles && strict) return false;
+      if (!triangles) triangles = triangulate(cell, false);
+      pieces.insert(pieces.end(), triangles->begin(), triangles->end());
+    }
+    pieces_[f] = std::move(pieces);
+    return true;
+  }
+
+  Subdivision collect(Index limit) {
+    for (Index f = 0; f < limit; ++f) {
+      if (pieces_[f].empty()) pieces_[f].push_back(given_.face(f));
+      for (const Triangle& piece : pieces_[f]) {
+        result_.faces.push_back(piece);
+        result_.parent.push_back(f);
+      }
+    }
+    return std::move(result_);
+  }
+
+ private:
+  /// Of all triangulations the one whose worst triangle is best; three points on one side make no
+  /// triangle. Nothing where `strict` and every one has a triangle of the wrong orientation.
+  /// O(n^3).
+  std::optional<std::vector<Triangle>> triangulate(const Polygon& polygon, bool strict) const {
+    constexpr double kNever = -std::numeric_limits<double>::infinity();
+    const std::size_t size = polygon.size();
+    // Of the part between two points, and where the triangle on the line between them has its apex.
+    std::vector<double> best(size * size, std::numeric_limits<double>::infinity());
+    std::vector<std::size_t> apex(size * size, size);
+    for (std::size_t width = 2; width < size; ++width) {
+      for (std::size_t i = 0; i + width < size; ++i) {
+        const std::size_t j = i + width;
+        double found = kNever;
+        for (std::size_t k = i + 1; k < j; ++k) {
+          const double parts = std::min(best[i * size + k], best[k * size + j]);
+          if (!(parts > found)) continue;
+          const double worst = std::min(parts, quality(polygon[i], polygon[k], polygon[j]));
+          if (!(worst > found)) continue;
+          found = worst;
+          apex[i * size + j] = k;
+        }
+        best[i * size + j] = found;
+      }
+    }
+    const double whole = best[size - 1];
+    if (whole == kNever || (strict && !(whole > 0))) return std::nullopt;
+    std::vector<Triangle> triangles;
+    std::vector<std::pair<std::size_t, std::size_t>> parts = {{0, size - 1}};
+    while (!parts.empty()) {
+      const auto [i, j] = parts.back();
+      parts.pop_back();
+      if (j - i < 2) continue;
+      const std::size_t k = apex[i * size + j];
+      triangles.push_back({polygon[i].vertex, polygon[k].vertex, polygon[j].vertex});
+      parts.push_back({i, k});
+      parts.push_back({k, j});
+    }
+    return triangles;
+  }
+
+  double quality(const Point& a, const Point& b, const Point& c) const {
+    if ((a.sides & b.sides & c.sides) != 0) return -std::numeric_limits<double>::infinity();
+    return image_.quality(a.vertex, b.vertex, c.vertex);
+  }
+
+  const Connectivity& given_;
+  const SubdivisionImage& image_;
+  std::vector<std::vector<Index>> new_vertices_;  ///< Per given edge, from its own tail.
+  std::vector<std::vector<Triangle>> pieces_;     ///< Per given face; none if it is whole.
+  Subdivision result_;
+};
+
+/// Cuts faces along the final edges of an overlay.
+class OverlayCutter {
+ public:
+  OverlayCutter(const Overlay& overlay, std::vector<bool> faces, Index limit,
+                const SubdivisionImage& image)
+      : overlay_(overlay),
         given_(overlay.given()),
         whole_(std::move(faces)),
         limit_(limit),
-        image_(image),
-        first_(given_.edgeCount(), kNone),
-        pieces_(given_.faceCount()) {}
+        cutter_(given_, image) {}
 
-  Result<Subdivision> run() {
+  Result<Subdivision> run(Context& context) {
     std::vector<Index> work;
     for (Index f = 0; f < limit_; ++f) {
       if (whole_[f]) work.push_back(f);
     }
     while (!work.empty()) {
-      RETURN_IF_ERROR(context_.check());
+      RETURN_IF_ERROR(context.check());
       for (const Index f : work) cutWhole(f);
-      work = fitNeighbours(std::move(work));
+      work = fitNeighbours(work);
     }
-    collect();
-    return std::move(result_);
+    return cutter_.collect(limit_);
   }
 
  private:
   /// Makes the crossings of a face's sides new vertices, and cuts it along its chords.
   void cutWhole(Index f) {
     whole_[f] = true;
-    for (Index h = 3 * f; h < 3 * f + 3; ++h) insertOn(given_.edge(h));
+    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+      const Index e = given_.edge(h);
+      if (cutter_.isCut(e)) continue;
+      std::vector<Subdivision::Vertex> vertices;
+      for (const Crossing& crossing : overlay_.crossings(e)) {
+        vertices.push_back({given_.halfedge(e), crossing.fraction, crossing});
+      }
+      cutter_.insert(e, vertices);
+    }
     std::vector<Polygon> cells;
-    cut(boundaryOf(f), overlay_.chords(f), cells);
-    pieces_[f].clear();
-    for (const Polygon& cell : cells) {
-      std::optional<std::vector<Triangle>> triangles = triangulate(cell, true);
-      if (!triangles) triangles = triangulate(cell, false);
-      pieces_[f].insert(pieces_[f].end(), triangles->begin(), triangles->end());
-    }
-  }
-
-  void insertOn(Index e) {
-    if (first_[e] != kNone) return;
-    first_[e] = static_cast<Index>(result_.vertices.size());
-    for (const Crossing& crossing : overlay_.crossings(e)) {
-      result_.vertices.push_back({given_.halfedge(e), crossing.fraction, crossing});
-      image_.locate(result_.vertices.back());
-    }
+    cut(cutter_.boundaryOf(f), overlay_.chords(f), cells);
+    cutter_.cutInto(f, cells, false);
   }
 
   /// The faces beside those just cut that have to be cut, too.
@@ -109,85 +212,19 @@ class Cutter {
         if (twin == kNone || overlay_.crossings(given_.edge(h)).empty()) continue;
         const Index beside = Connectivity::faceOf(twin);
         if (beside >= limit_ || whole_[beside]) continue;
-        const auto triangles = triangulate(boundaryOf(beside), true);
-        if (triangles) {
-          pieces_[beside] = *triangles;
-        } else {
-          whole_[beside] = true;
-          next.push_back(beside);
-        }
+        if (cutter_.cutInto(beside, {cutter_.boundaryOf(beside)}, true)) continue;
+        whole_[beside] = true;
+        next.push_back(beside);
       }
     }
     return next;
   }
 
-  /// The corners of a face and the new vertices on its sides.
-  Polygon boundaryOf(Index f) const {
-    Polygon polygon;
-    for (int c = 0; c < 3; ++c) {
-      const Index h = 3 * f + c;
-      polygon.push_back({given_.tail(h), (1 << c) | (1 << ((c + 2) % 3))});
-      const Index e = given_.edge(h);
-      if (first_[e] == kNone) continue;
-      const auto count = static_cast<Index>(overlay_.crossings(e).size());
-      for (Index n = 0; n < count; ++n) {
-        const Index along = given_.sign(h) > 0 ? n : count - 1 - n;
-        polygon.push_back({given_.vertexCount() + first_[e] + along, 1 << c});
-      }
-    }
-    return polygon;
-  }
-
-  /// Cuts ears off, the best one first. Three points on one side make no triangle. Nothing where
-  /// `strict` and an orientation is wrong.
-  std::optional<std::vector<Triangle>> triangulate(Polygon polygon, bool strict) const {
-    std::vector<Triangle> triangles;
-    while (polygon.size() >= 3) {
-      const std::size_t size = polygon.size();
-      std::size_t best = size;
-      double best_quality = strict ? 0 : -std::numeric_limits<double>::infinity();
-      for (std::size_t n = 0; n < size; ++n) {
-        const Point &a = polygon[(n + size - 1) % size], &b = polygon[n],
-                    &c = polygon[(n + 1) % size];
-        if ((a.sides & b.sides & c.sides) != 0) continue;
-        const double quality = image_.quality(a.vertex, b.vertex, c.vertex);
-        if (quality > best_quality) {
-          best_quality = quality;
-          best = n;
-        }
-      }
-      if (best == size) return std::nullopt;
-      triangles.push_back({polygon[(best + size - 1) % size].vertex, polygon[best].vertex,
-                           polygon[(best + 1) % size].vertex});
-      polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(best));
-    }
-    return triangles;
-  }
-
-  void collect() {
-    for (Index f = 0; f < limit_; ++f) {
-      if (pieces_[f].empty()) {
-        result_.faces.push_back(given_.face(f));
-        result_.parent.push_back(f);
-        continue;
-      }
-      for (const Triangle& piece : pieces_[f]) {
-        result_.faces.push_back(piece);
-        result_.parent.push_back(f);
-      }
-    }
-  }
-
-  Context& context_;
   const Overlay& overlay_;
   const Connectivity& given_;
   std::vector<bool> whole_;
   Index limit_;
-  const SubdivisionImage& image_;
-  std::vector<Index>
-      first_;  ///< Per given edge the first of its new vertices, kNone if it is whole.
-  std::vector<std::vector<Triangle>> pieces_;  ///< Per given face; none if it is whole.
-  Subdivision result_;
+  FaceCutter cutter_;
 };
 
 }  // namespace
@@ -195,7 +232,37 @@ class Cutter {
 Result<Subdivision> subdivide(Context& context, const Overlay& overlay,
                               const std::vector<bool>& faces, Index limit,
                               const SubdivisionImage& image) {
-  return Cutter(context, overlay, faces, limit, image).run();
+  return OverlayCutter(overlay, faces, limit, image).run(context);
+}
+
+std::vector<Subdivision::Vertex> evenVertices(const Connectivity& given,
+                                              const std::vector<Index>& edges, int count) {
+  std::vector<Subdivision::Vertex> vertices;
+  for (const Index e : edges) {
+    for (int n = 1; n <= count; ++n) {
+      vertices.push_back({given.halfedge(e), static_cast<double>(n) / (count + 1), Crossing()});
+    }
+  }
+  return vertices;
+}
+
+std::optional<Subdivision> splitEdges(const Connectivity& given,
+                                      const std::vector<Subdivision::Vertex>& vertices,
+                                      const SubdivisionImage& image) {
+  FaceCutter cutter(given, image);
+  std::vector<bool> touched(given.faceCount(), false);
+  for (std::size_t n = 0; n < vertices.size();) {
+    const Index h = vertices[n].halfedge;
+    std::vector<Subdivision::Vertex> on_edge;
+    for (; n < vertices.size() && vertices[n].halfedge == h; ++n) on_edge.push_back(vertices[n]);
+    cutter.insert(given.edge(h), on_edge);
+    touched[Connectivity::faceOf(h)] = true;
+    if (given.twin(h) != kNone) touched[Connectivity::faceOf(given.twin(h))] = true;
+  }
+  for (Index f = 0; f < given.faceCount(); ++f) {
+    if (touched[f] && !cutter.cutInto(f, {cutter.boundaryOf(f)}, true)) return std::nullopt;
+  }
+  return cutter.collect(given.faceCount());
 }
 
 std::vector<double> subdividedLengths(const Connectivity& given, const std::vector<double>& lengths,

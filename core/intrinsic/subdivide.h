@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/base/context.h"
@@ -16,7 +17,7 @@ struct Subdivision {
   struct Vertex {
     Index halfedge = 0;   ///< The given edge's own halfedge (Connectivity::halfedge).
     double fraction = 0;  ///< From its tail, within (0, 1).
-    Crossing crossing;    ///< With a final edge; the halfedge is one of the final triangulation.
+    Crossing crossing;  ///< With an edge of a final triangulation, where it comes from an overlay.
   };
   std::vector<Vertex> vertices;  ///< Numbered after the given vertices, in this order.
   /// Faces in the order of the given ones; pieces stand where their face stood.
@@ -42,6 +43,18 @@ struct SubdivisionImage {
 Result<Subdivision> subdivide(Context& context, const Overlay& overlay,
                               const std::vector<bool>& faces, Index limit,
                               const SubdivisionImage& image);
+
+/// `count` new vertices on each of these edges of a surface, evenly.
+std::vector<Subdivision::Vertex> evenVertices(const Connectivity& given,
+                                              const std::vector<Index>& edges, int count);
+
+/// Puts new vertices on edges and cuts the faces beside them accordingly. vertices: those of one
+/// edge together, in the order from the tail of its halfedge; their crossings are not looked at,
+/// and image.locate may be empty. Nothing where the image of some face has no triangulation with
+/// the right orientation. O(F).
+std::optional<Subdivision> splitEdges(const Connectivity& given,
+                                      const std::vector<Subdivision::Vertex>& vertices,
+                                      const SubdivisionImage& image);
 
 /// The lengths of a subdivision's edges, within flat faces. surface: of its faces (all vertices
 /// used); lengths: per edge of the given surface, proper triangles. Per edge of `surface`. O(F).

@@ -4,31 +4,51 @@
 #include <array>
 #include <cstddef>
 
+#include "core/mesh/freesurfer.h"
+#include "core/mesh/gifti_document.h"
 #include "core/mesh/read_formats.h"
 #include "core/mesh/scanner.h"
 
 namespace moduli {
 namespace {
 
-constexpr std::array<std::string_view, 5> kNames = {"obj", "off", "ply", "stl", "json"};
+constexpr std::array<std::string_view, 7> kNames = {"obj",  "off",   "ply",       "stl",
+                                                    "json", "gifti", "freesurfer"};
+
+// Extensions that are not the format's name.
+struct Extension {
+  std::string_view text;
+  MeshFormat format;
+};
+constexpr std::array kExtensions{
+    Extension{"gii", MeshFormat::kGifti},           Extension{"pial", MeshFormat::kFreeSurfer},
+    Extension{"white", MeshFormat::kFreeSurfer},    Extension{"inflated", MeshFormat::kFreeSurfer},
+    Extension{"smoothwm", MeshFormat::kFreeSurfer}, Extension{"sphere", MeshFormat::kFreeSurfer},
+};
+
+// What GIFTI calls files that hold no surface: "x.shape.gii" and so on.
+constexpr std::array<std::string_view, 9> kGiftiOthers = {
+    ".coord", ".func", ".label", ".rgba", ".shape", ".tensor", ".time", ".topo", ".vector"};
 
 char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
 }
 
-constexpr std::size_t kSample = 1024;  // Bytes that tell text from binary.
-
-// Text has no control characters but spaces.
-bool looksLikeText(std::string_view bytes) {
-  return std::ranges::all_of(bytes.substr(0, kSample), [](char c) {
-    const auto byte = static_cast<unsigned char>(c);
-    return (byte >= 0x20 && byte != 0x7F) || isSpace(c);
-  });
+bool equalText(std::string_view a, std::string_view b) {
+  return std::ranges::equal(a, b, {}, lower, lower);
 }
+
+bool endsWith(std::string_view text, std::string_view end) {
+  return text.size() >= end.size() && equalText(text.substr(text.size() - end.size()), end);
+}
+
+constexpr std::size_t kSample = 1024;  // Bytes in which a zero tells binary from text.
 
 // The format that the first word of the content proves.
 std::optional<MeshFormat> formatFromContent(std::string_view bytes) {
   if (isSizedBinaryStl(bytes)) return MeshFormat::kStl;
+  if (freeSurferFile(bytes)) return MeshFormat::kFreeSurfer;
+  if (looksLikeGifti(bytes)) return MeshFormat::kGifti;
   Scanner scanner("", bytes);
   scanner.skipByteOrderMark();
   scanner.skipSpaceAndComments();
@@ -52,15 +72,27 @@ std::string_view formatName(MeshFormat format) {
 std::optional<MeshFormat> formatFromName(std::string_view name) {
   if (name.starts_with('.')) name.remove_prefix(1);
   for (std::size_t i = 0; i < kNames.size(); ++i) {
-    if (std::ranges::equal(name, kNames[i], {}, lower)) return static_cast<MeshFormat>(i);
+    if (equalText(name, kNames[i])) return static_cast<MeshFormat>(i);
   }
+  if (equalText(name, "gii")) return MeshFormat::kGifti;
   return std::nullopt;
 }
 
 std::optional<MeshFormat> formatFromExtension(std::string_view file_name) {
+  if (endsWith(file_name, ".gii.gz")) file_name.remove_suffix(3);
   const std::size_t dot = file_name.rfind('.');
   if (dot == std::string_view::npos) return std::nullopt;
-  return formatFromName(file_name.substr(dot));
+  const std::string_view word = file_name.substr(dot + 1);
+  for (const Extension& extension : kExtensions) {
+    if (!equalText(word, extension.text)) continue;
+    const std::string_view stem = file_name.substr(0, dot);
+    const bool other = extension.format == MeshFormat::kGifti &&
+                       std::ranges::any_of(kGiftiOthers, [&](std::string_view kind) {
+                         return endsWith(stem, kind);
+                       });
+    return other ? std::nullopt : std::optional(extension.format);
+  }
+  return formatFromName(word);
 }
 
 std::optional<MeshFormat> detectFormat(std::string_view bytes, std::string_view file_name) {
@@ -68,9 +100,10 @@ std::optional<MeshFormat> detectFormat(std::string_view bytes, std::string_view 
   const auto format = formatFromExtension(file_name);
   if (!format) return std::nullopt;
   // A name proves nothing about bytes that cannot be that format at all.
-  const bool possible = *format == MeshFormat::kStl   ? true
-                        : *format == MeshFormat::kPly ? bytes.starts_with("ply")
-                                                      : looksLikeText(bytes);
+  const bool possible = *format == MeshFormat::kStl          ? true
+                        : *format == MeshFormat::kPly        ? bytes.starts_with("ply")
+                        : *format == MeshFormat::kFreeSurfer ? false
+                                                             : looksLikeText(bytes);
   return possible ? format : std::nullopt;
 }
 

@@ -73,16 +73,31 @@ Result<TriangleSoup> readAs(MeshFormat format, ReadJob& job) {
       return readPly(job);
     case MeshFormat::kStl:
       return readStl(job);
+    case MeshFormat::kGifti:
+      return readGifti(job);
+    case MeshFormat::kFreeSurfer:
+      return readFreeSurfer(job);
     case MeshFormat::kJson:
       return job.scanner.byteError(
           Reason::kUnsupportedContent, job.scanner.at(),
           "an intrinsic triangulation has no positions in space, which are needed here",
-          "give the surface as an OBJ, OFF, PLY or STL file");
+          "give the surface as an OBJ, OFF, PLY, STL or GIFTI file");
   }
   return Status(Reason::kInternal, "a mesh format without a reader");
 }
 
 }  // namespace
+
+ReadJob readJob(Context& context, std::string_view bytes, const ReadOptions& options) {
+  constexpr std::size_t kMostFaces = std::numeric_limits<Index>::max() / 3;
+  return {context, Scanner(options.name, bytes), std::min(options.max_faces, kMostFaces)};
+}
+
+Status checkNotEmpty(const ReadJob& job) {
+  if (!job.scanner.atEnd()) return {};
+  return job.scanner.byteError(Reason::kEmpty, job.scanner.at(), "the file is empty",
+                               "export the mesh again");
+}
 
 std::string countMessage(std::uint64_t count, std::string_view what, std::size_t bytes_left) {
   return "declares " + std::to_string(count) + " " + std::string(what) + ", which the " +
@@ -106,16 +121,12 @@ std::string tooManyFacesMessage(std::size_t max_faces) {
 Result<TriangleSoup> readMesh(Context& context, std::string_view bytes,
                               const ReadOptions& options) {
   RETURN_IF_ERROR(context.check());
-  constexpr std::size_t kMostFaces = std::numeric_limits<Index>::max() / 3;
-  ReadJob job{context, Scanner(options.name, bytes), std::min(options.max_faces, kMostFaces)};
-  if (bytes.empty()) {
-    return job.scanner.byteError(Reason::kEmpty, bytes.data(), "the file is empty",
-                                 "export the mesh again");
-  }
+  ReadJob job = readJob(context, bytes, options);
+  RETURN_IF_ERROR(checkNotEmpty(job));
   const auto format = options.format ? options.format : detectFormat(bytes, options.name);
   if (!format) {
     return job.scanner.byteError(Reason::kUnknownFormat, bytes.data(),
-                                 "the content is not OBJ, OFF, PLY, STL or JSON",
+                                 "the content is not OBJ, OFF, PLY, STL, GIFTI, FreeSurfer or JSON",
                                  "convert the mesh to one of these formats");
   }
   return readAs(*format, job);

@@ -13,7 +13,8 @@
 
 /// Strict readers. Every number is read to the last bit of a double; nothing is rounded, guessed,
 /// dropped or reordered. Bytes are hostile: counts are checked against the bytes that are left
-/// before memory is taken, so memory stays within a small multiple of the input's size.
+/// before memory is taken, so memory stays within a small multiple of the input's size, or of what
+/// InflateAllowance permits compressed parts to grow to.
 namespace moduli {
 
 struct ReadOptions {
@@ -24,16 +25,18 @@ struct ReadOptions {
 };
 
 /// Reads OBJ, OFF (OFF, COFF, NOFF, CNOFF, STOFF, 4OFF refused by name, comments), PLY (ascii,
-/// binary of both byte orders) or STL (ascii, binary; corners with exactly equal coordinates become
-/// one vertex, numbered by first use). Polygons become fans from their first corner.
+/// binary of both byte orders), STL (ascii, binary; corners with exactly equal coordinates become
+/// one vertex, numbered by first use), GIFTI (.gii, .gii.gz; gifti.h says which) or a binary
+/// surface of triangles of FreeSurfer. Polygons become fans from their first corner. Coordinates
+/// are those of the file: no transform that it tells of is applied.
 ///
 /// Fails with kUnknownFormat, kSyntaxError, kTruncatedFile, kCountTooLarge, kIndexOutOfRange,
 /// kUnsupportedContent (also for JSON: an intrinsic triangulation has no positions), kEmpty (no
 /// faces), kMeshTooLarge, kCancelled. The message starts with the name and the 1-based line
 /// ("part.obj:17: ...") or the byte offset ("part.ply: byte 480: ..."), names the defect, and the
-/// hint says what to do. NaN and infinity are read as such where the
-/// format spells them ("nan", "inf"): validation reports them as NON_FINITE_COORDINATE.
-/// O(bytes), one pass.
+/// hint says what to do; lines of a gzipped file are those of the text in it. NaN and infinity are
+/// read as such where the format spells them ("nan", "inf"): validation reports them as
+/// NON_FINITE_COORDINATE. O(bytes), one pass.
 Result<TriangleSoup> readMesh(Context& context, std::string_view bytes, const ReadOptions& options);
 
 /// Reads and parses a file. Fails also with kFileNotFound, kFileUnreadable.

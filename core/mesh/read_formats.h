@@ -8,6 +8,7 @@
 
 #include "core/base/context.h"
 #include "core/base/status.h"
+#include "core/mesh/read.h"
 #include "core/mesh/scanner.h"
 #include "core/mesh/triangle_soup.h"
 
@@ -21,10 +22,15 @@ struct ReadJob {
   std::size_t max_faces;
 };
 
+ReadJob readJob(Context& context, std::string_view bytes, const ReadOptions& options);
+Status checkNotEmpty(const ReadJob& job);
+
 Result<TriangleSoup> readObj(ReadJob& job);
 Result<TriangleSoup> readOff(ReadJob& job);
 Result<TriangleSoup> readPly(ReadJob& job);
 Result<TriangleSoup> readStl(ReadJob& job);
+Result<TriangleSoup> readGifti(ReadJob& job);
+Result<TriangleSoup> readFreeSurfer(ReadJob& job);
 
 /// True for the words that may open a statement of an OBJ file.
 bool isObjKeyword(std::string_view word);

@@ -1,5 +1,6 @@
 #include "core/mesh/scanner.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -73,6 +74,14 @@ Reason Scanner::roomFor(std::uint64_t count, std::uint64_t bytes_each) const {
   if (bytes_each == 0 || count <= left() / bytes_each) return Reason::kOk;
   const bool plausible = count <= std::uint64_t{16} * size() / bytes_each;
   return plausible ? Reason::kTruncatedFile : Reason::kCountTooLarge;
+}
+
+bool looksLikeText(std::string_view bytes) {
+  constexpr std::size_t kSample = 1024;
+  return std::ranges::all_of(bytes.substr(0, kSample), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return (byte >= 0x20 && byte != 0x7F) || isSpace(c);
+  });
 }
 
 std::string quoted(std::string_view text) {

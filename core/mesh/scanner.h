@@ -29,6 +29,7 @@ class Scanner {
   Scanner(std::string_view name, std::string_view bytes)
       : name_(name), begin_(bytes.data()), at_(bytes.data()), end_(bytes.data() + bytes.size()) {}
 
+  std::string_view name() const { return name_; }
   const char* at() const { return at_; }
   const char* end() const { return end_; }
   bool atEnd() const { return at_ == end_; }
@@ -130,6 +131,9 @@ class Scanner {
   const char* at_;
   const char* end_;
 };
+
+/// True if the first kilobyte has no control characters but spaces.
+bool looksLikeText(std::string_view bytes);
 
 /// Text for a message: quoted, without control characters, at most 40 characters.
 std::string quoted(std::string_view text);

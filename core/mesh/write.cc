@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/mesh/gifti.h"
+
 namespace moduli {
 namespace {
 
@@ -184,9 +186,18 @@ Result<std::string> writeMesh(const TriangleSoup& soup, MeshFormat format, Encod
     case MeshFormat::kStl:
       if (encoding == Encoding::kBinary) return writeBinaryStl(soup);
       return writeTextStl(soup);
+    case MeshFormat::kGifti: {
+      GiftiWriteOptions options;
+      options.encoding =
+          encoding == Encoding::kBinary ? GiftiEncoding::kGzipBase64 : GiftiEncoding::kAscii;
+      return writeGiftiSurface(soup, options);
+    }
+    case MeshFormat::kFreeSurfer:
+      return Status(Reason::kInvalidOption, "surfaces of FreeSurfer are read, not written",
+                    "choose gifti, which FreeSurfer reads");
     case MeshFormat::kJson:
       return Status(Reason::kInvalidOption, "json files hold intrinsic triangulations, not meshes",
-                    "choose obj, off, ply or stl");
+                    "choose obj, off, ply, stl or gifti");
   }
   return Status(Reason::kInternal, "a mesh format without a writer");
 }

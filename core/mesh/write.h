@@ -13,10 +13,11 @@ enum class Encoding { kText, kBinary };
 
 /// The bytes of a mesh file. Text has the shortest decimals that read back as the same doubles; PLY
 /// is written with double coordinates, in text or little-endian binary. OBJ and OFF are text only.
+/// GIFTI has float32 coordinates (gifti.h says why), as ASCII or compressed (GZipBase64Binary).
 /// Binary STL rounds coordinates to float32 (its format has no more); STL of both encodings loses
 /// the numbering and the vertices without faces.
-/// Fails with kInvalidOption (a format that has no such encoding; JSON; in binary STL a coordinate
-/// beyond float32). O(V + F).
+/// Fails with kInvalidOption (a format that has no such encoding; JSON; FreeSurfer; in binary STL
+/// and GIFTI a coordinate beyond float32). O(V + F).
 Result<std::string> writeMesh(const TriangleSoup& soup, MeshFormat format,
                               Encoding encoding = Encoding::kText);
 

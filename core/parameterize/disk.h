@@ -14,8 +14,8 @@ namespace moduli {
 
 struct DiskOptions {
   MapMethod method = MapMethod::kAuto;
-  bool initial_delaunay = true;     ///< As in PrescribeOptions; the robust method tries both.
-  bool refine = true;               ///< As in SphereOptions.
+  bool initial_delaunay = true;          ///< As in PrescribeOptions; the robust method tries both.
+  bool refine = true;                    ///< As in SphereOptions.
   std::optional<MobiusMap> mobius = {};  ///< Applied last; has to keep the disk.
 };
 

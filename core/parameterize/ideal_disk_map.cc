@@ -16,11 +16,6 @@ using Complex = std::complex<double>;
 /// Of new vertices on boundary edges, from the equator of the double.
 constexpr double kOnEquator = 1e-9;
 
-double planeTriangleQuality(const Complex& a, const Complex& b, const Complex& c) {
-  const double longest = std::max({std::norm(b - a), std::norm(c - b), std::norm(a - c)});
-  return longest > 0 ? std::imag(std::conj(b - a) * (c - a)) / longest : 0;
-}
-
 class IdealDiskMapping {
  public:
   IdealDiskMapping(Context& context, const Connectivity& surface,
@@ -89,10 +84,7 @@ class IdealDiskMapping {
       return image(w, on_circle);
     };
     ASSIGN_OR_RETURN(RefinedSurface refined,
-                     refineFolds(context_, surface_, lengths_, disk.polyhedron, folded,
-                                 [&](const auto& a, const auto& b, const auto& c) {
-                                   return planeTriangleQuality(place(a), place(b), place(c));
-                                 }));
+                     refineFolds(context_, surface_, lengths_, disk.polyhedron, folded, place));
     for (const Eigen::Vector3d& point : refined.points) result.points.push_back(place(point));
     MapQuality& quality = result.certificate.quality;
     quality = measurePlaneMap(refined.surface, refined.lengths, result.points);

@@ -24,7 +24,8 @@ const char* const kMap = "the map to the rectangle";
 Result<std::vector<Index>> boundaryFrom(const Connectivity& surface,
                                         const std::array<Index, 4>& corners) {
   std::vector<Index> boundary;
-  for (const Index h : computeTopology(surface).boundary_loops[0]) {
+  const SurfaceTopology topology = computeTopology(surface);
+  for (const Index h : topology.boundary_loops[0]) {
     boundary.push_back(surface.tail(h));
   }
   const auto place = [&](Index v) { return std::find(boundary.begin(), boundary.end(), v); };

@@ -8,6 +8,9 @@
 
 namespace moduli {
 
+namespace {
+
+/// As planeTriangleQuality, seen from outside the sphere.
 double sphereTriangleQuality(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                              const Eigen::Vector3d& c) {
   const double longest =
@@ -15,15 +18,26 @@ double sphereTriangleQuality(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
   return longest > 0 ? a.dot((b - a).cross(c - a)) / longest : 0;
 }
 
+}  // namespace
+
+double planeTriangleQuality(const std::complex<double>& a, const std::complex<double>& b,
+                            const std::complex<double>& c) {
+  const double longest = std::max({std::norm(b - a), std::norm(c - b), std::norm(a - c)});
+  return longest > 0 ? std::imag(std::conj(b - a) * (c - a)) / longest : 0;
+}
+
 Result<RefinedSurface> refineFolds(Context& context, const Connectivity& surface,
                                    const std::vector<double>& lengths, const IdealPolyhedron& ideal,
-                                   const std::vector<bool>& folded,
-                                   const TriangleQuality& quality) {
+                                   const std::vector<bool>& folded, const SpherePointImage& plane) {
   const Context::Stage stage(context, "refine");
   const IntrinsicTriangulation& triangulation = ideal.metric.metric.triangulation;
   ASSIGN_OR_RETURN(const Overlay overlay, Overlay::make(context, triangulation));
   const std::vector<double> scales = lightConeScales(triangulation, ideal.points);
   Points3 points = ideal.points;
+  std::vector<std::complex<double>> images;
+  if (plane) {
+    for (const Eigen::Vector3d& point : points) images.push_back(plane(point));
+  }
   SubdivisionImage image;
   image.locate = [&](const Subdivision::Vertex& vertex) {
     const Crossing& crossing = vertex.crossing;
@@ -31,9 +45,11 @@ Result<RefinedSurface> refineFolds(Context& context, const Connectivity& surface
     const Index head = triangulation.head(crossing.halfedge);
     const double a = crossing.weight_tail * scales[tail], b = crossing.weight_head * scales[head];
     points.push_back(((a * points[tail] + b * points[head]) / (a + b)).normalized());
+    if (plane) images.push_back(plane(points.back()));
   };
   image.quality = [&](Index a, Index b, Index c) {
-    return quality(points[a], points[b], points[c]);
+    return plane ? planeTriangleQuality(images[a], images[b], images[c])
+                 : sphereTriangleQuality(points[a], points[b], points[c]);
   };
   ASSIGN_OR_RETURN(Subdivision subdivision,
                    subdivide(context, overlay, folded, surface.faceCount(), image));

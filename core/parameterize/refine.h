@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <functional>
 #include <vector>
 
@@ -17,23 +18,24 @@ struct RefinedSurface {
   Points3 points;               ///< On the sphere: those given, then the new vertices.
 };
 
-/// How a triangle of sphere points counts: positive where it keeps its orientation, larger is
-/// better.
-using TriangleQuality =
-    std::function<double(const Eigen::Vector3d&, const Eigen::Vector3d&, const Eigen::Vector3d&)>;
+/// Where points of the sphere go in the plane, if the map goes on.
+using SpherePointImage = std::function<std::complex<double>(const Eigen::Vector3d&)>;
 
 /// Cuts the faces of a surface that an ideal polyhedron turns over, and no more of the others than
 /// it takes (subdivide.h); new vertices lie on edges, where they cross the polyhedron's.
 ///
 /// surface, lengths: what was mapped. ideal: of the surface or, where it has a boundary, of its
 /// double, whose first vertices and faces are the surface's; every flip by Ptolemy's relation.
-/// folded: per face of the surface. Fails with kCancelled and kDeadlineExceeded.
+/// folded: per face of the surface. Orientation is judged on the sphere, or in the plane where
+/// there is an image. Fails with kCancelled and kDeadlineExceeded.
 Result<RefinedSurface> refineFolds(Context& context, const Connectivity& surface,
                                    const std::vector<double>& lengths, const IdealPolyhedron& ideal,
-                                   const std::vector<bool>& folded, const TriangleQuality& quality);
+                                   const std::vector<bool>& folded,
+                                   const SpherePointImage& image = {});
 
-/// Turns counter-clockwise seen from outside the sphere.
-double sphereTriangleQuality(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                             const Eigen::Vector3d& c);
+/// The height of a plane triangle over its longest side, relative to that, negative where it is
+/// turned over.
+double planeTriangleQuality(const std::complex<double>& a, const std::complex<double>& b,
+                            const std::complex<double>& c);
 
 }  // namespace moduli

@@ -103,8 +103,8 @@ class SphereMapping {
 
   Status refine(const IdealPolyhedron& ideal) {
     certify(ideal);
-    ASSIGN_OR_RETURN(RefinedSurface refined, refineFolds(context_, surface_, lengths_, ideal,
-                                                         folds(ideal), sphereTriangleQuality));
+    ASSIGN_OR_RETURN(RefinedSurface refined,
+                     refineFolds(context_, surface_, lengths_, ideal, folds(ideal)));
     result_.subdivision = std::move(refined.subdivision);
     return finish(std::move(refined.points), refined.surface, refined.lengths);
   }

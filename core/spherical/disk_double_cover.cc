@@ -56,14 +56,17 @@ std::vector<Eigen::Vector3d> doubledPositions(const Connectivity& surface, const
 }
 
 /// Moves the boundary's circle to the equator by a Möbius map along its axis, which is turned to
-/// the north on the side of the first copy.
-void straighten(const Connectivity& surface, const std::vector<double>& areas, Points3& points) {
+/// the north where the first copy lies: there the boundary, with that copy on its left, runs
+/// counter-clockwise.
+void straighten(const Connectivity& surface, Points3& points) {
   Plane plane = boundaryPlane(surface, points);
-  double side = 0;
-  for (Index v = 0; v < surface.vertexCount(); ++v) {
-    side += areas[v] * (plane.normal.dot(points[v]) - plane.offset);
+  Eigen::Vector3d turning = Eigen::Vector3d::Zero();
+  for (Index e = 0; e < surface.edgeCount(); ++e) {
+    if (!surface.isBoundaryEdge(e)) continue;
+    const Index h = surface.halfedge(e);
+    turning += points[surface.tail(h)].cross(points[surface.head(h)]);
   }
-  if (side < 0) plane = {-plane.normal, -plane.offset};
+  if (plane.normal.dot(turning) < 0) plane = {-plane.normal, -plane.offset};
   // T_c along the axis carries height d = 2 c / (1 + c^2) to 0.
   const double d = std::clamp(plane.offset, -1.0, 1.0);
   const Eigen::Vector3d center = d / (1 + std::sqrt((1 - d) * (1 + d))) * plane.normal;
@@ -112,7 +115,7 @@ Result<DiskMap> mapToDiskDoubleCover(Context& context, const Connectivity& surfa
                    mapToSphereHeatFlow(context, cover.connectivity, doubled,
                                        doubledPositions(surface, cover, positions), flow_options));
   const std::vector<double> areas = vertexAreas(surface, unitLengths(lengths));
-  straighten(surface, areas, flow.points);
+  straighten(surface, flow.points);
   Symmetric symmetric = symmetrized(surface, cover, flow.points);
   for (const std::complex<double>& w : symmetric.points) {
     if (!(std::abs(w) < 1 + 1e-9)) {
@@ -122,6 +125,7 @@ Result<DiskMap> mapToDiskDoubleCover(Context& context, const Connectivity& surfa
   }
   ASSIGN_OR_RETURN(DiskMap map,
                    spherical::centeredDiskMap(context, surface, lengths, areas, symmetric.points));
+  ASSIGN_OR_RETURN(map, spherical::withTipsReset(context, surface, lengths, areas, std::move(map)));
   map.iterations = static_cast<int>(flow.energies.size()) - 1;
   map.flips = flow.flips;
   map.asymmetry = symmetric.asymmetry;

@@ -10,6 +10,7 @@
 #include "core/spherical/face_frame.h"
 #include "core/spherical/mirror_laplacian.h"
 #include "core/spherical/mobius_map.h"
+#include "core/spherical/plane_lift.h"
 
 namespace moduli {
 namespace {
@@ -43,23 +44,6 @@ PlanePoints joined(const std::vector<double>& u, const std::vector<double>& v) {
   return z;
 }
 
-/// The value that half of the weight lies below.
-double weightedMedian(const std::vector<double>& values, const std::vector<double>& weights) {
-  std::vector<std::pair<double, double>> sorted(values.size());
-  double total = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    sorted[i] = {values[i], weights[i]};
-    total += weights[i];
-  }
-  std::sort(sorted.begin(), sorted.end());
-  double sum = 0;
-  for (const auto& [value, weight] : sorted) {
-    sum += weight;
-    if (sum >= total / 2) return value;
-  }
-  return sorted.back().first;
-}
-
 /// Stretches the half plane so that the faces are conformal in the mean. The mirror image brings
 /// the same metrics mirrored, so that the mean is diagonal (compare the sphere's linear map).
 void removeMeanDilatation(const Connectivity& surface, const std::vector<FaceFrame>& frames,
@@ -84,10 +68,13 @@ void removeMeanDilatation(const Connectivity& surface, const std::vector<FaceFra
 
 /// From the half plane to the disk, with half of the area on each side of two geodesics through 0.
 MobiusMap balancedCayley(const PlanePoints& z, const std::vector<double>& areas) {
-  const double middle = weightedMedian(part(z, realPart), areas);
-  std::vector<double> radius(z.size());
-  for (std::size_t i = 0; i < z.size(); ++i) radius[i] = std::abs(z[i] - middle);
-  return halfPlaneToDisk({middle, weightedMedian(radius, areas)});
+  const auto median = [&](const auto& value) {
+    std::vector<std::pair<double, double>> values(z.size());
+    for (std::size_t i = 0; i < z.size(); ++i) values[i] = {value(z[i]), areas[i]};
+    return weightedMedian(std::move(values));
+  };
+  const double middle = median(realPart);
+  return halfPlaneToDisk({middle, median([&](const Complex& w) { return std::abs(w - middle); })});
 }
 
 /// From the disk to the half plane around a point of the circle, which goes to 0; its opposite goes
@@ -156,8 +143,10 @@ class LinearDiskMap {
     const Complex pole =
         better.points[surface_.tail(central)] + better.points[surface_.head(central)];
     pole_ = std::abs(pole) > 0 ? pole / std::abs(pole) : better.points[surface_.tail(central)];
-    best_ = std::move(better);
-    return best_->points;
+    PlanePoints points = better.points;
+    ASSIGN_OR_RETURN(
+        best_, spherical::withTipsReset(context, surface_, lengths_, areas_, std::move(better)));
+    return points;
   }
 
   /// The boundary halfedge with the highest score; the lowest among equals.
@@ -226,19 +215,28 @@ class LinearDiskMap {
     }
     for (int step = 1; step <= kRelaxations; ++step) {
       ASSIGN_OR_RETURN(points, charts[(step - 1) % 2]->relax(context, std::move(points)));
-      RETURN_IF_ERROR(consider(context, points, step));
+      // To centre and measure costs as much as two relaxations: the start, a map that both charts
+      // have mended once, and the last one are enough to choose from.
+      if (step == 2 || step == kRelaxations) RETURN_IF_ERROR(consider(context, points, step));
     }
     return {};
   }
 
-  /// Centres a candidate and keeps it if it has fewer folds, or as many and less dilatation.
+  /// Centres a candidate and keeps it if it has fewer folds, mended ones too, or as many and less
+  /// dilatation.
   Status consider(Context& context, const PlanePoints& points, int step) {
     Result<DiskMap> map = spherical::centeredDiskMap(context, surface_, lengths_, areas_, points);
+    if (map.ok()) {
+      map = spherical::withTipsReset(context, surface_, lengths_, areas_, *std::move(map));
+    }
     RETURN_IF_ERROR(context.check());
     if (!map.ok()) return {};
-    const MapQuality &a = map->quality, &b = best_->quality;
-    if (a.flipped_faces > b.flipped_faces) return {};
-    if (a.flipped_faces == b.flipped_faces && !(a.mean_dilatation < b.mean_dilatation)) return {};
+    const Index folds = map->quality.flipped_faces + map->reset_tips;
+    const Index least = best_->quality.flipped_faces + best_->reset_tips;
+    if (folds > least) return {};
+    if (folds == least && !(map->quality.mean_dilatation < best_->quality.mean_dilatation)) {
+      return {};
+    }
     best_ = *std::move(map);
     best_->iterations = step;
     return {};

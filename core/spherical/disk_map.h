@@ -14,6 +14,10 @@
 /// Both are centred: the mean of the points, weighted by the vertex areas of the metric, is 0 (see
 /// core/spherical/disk_centering.h). What is left free is a rotation of the disk; none is
 /// preferred, and how the result is turned means nothing.
+///
+/// Both are harmonic maps of the double, and share a limit: a face with two boundary edges
+/// collapses if one of its angles at the third edge is not acute, for its tip then belongs on its
+/// neighbour or beyond. Such a tip is put between its neighbours instead, and counted.
 namespace moduli {
 
 struct DiskMap {
@@ -25,6 +29,7 @@ struct DiskMap {
   double centering_residual = 0;
   int iterations = 0;     ///< Relaxations of the linear map, or steps of the heat flow.
   std::size_t flips = 0;  ///< Of edges of the double, to weights that are not negative.
+  Index reset_tips = 0;   ///< Tips of collapsed faces that were put between their neighbours.
   /// How far the map of the double was from its mirror image (double cover alone), on the sphere.
   double asymmetry = 0;
 };
@@ -42,7 +47,7 @@ struct DiskMap {
 /// Fails with kUnsupportedTopology (not connected, of genus 0 with one boundary loop), kFoldedMap
 /// (with the number of flipped faces, or where the boundary turns back), and as
 /// flipToDelaunayIsometric, SpdSolver and centerDisk do. Two factorizations of the surface and four
-/// of parts of it: below 4 F. Source: MATH 2.3, 2.7, 5.2.
+/// of parts of it: some 5 to 8 F. Source: MATH 2.3, 2.7, 5.2.
 Result<DiskMap> mapToDiskLinear(Context& context, const Connectivity& surface,
                                 const std::vector<double>& lengths);
 

@@ -57,7 +57,7 @@ static_assert(static_cast<int>(ConformalType::kBordered) + 1 == v1::ConformalBlo
 static_assert(static_cast<int>(Space::kConformal) + 1 == v1::Signature::CONFORMAL);
 static_assert(static_cast<int>(Space::kShape) + 1 == v1::Signature::SHAPE);
 static_assert(static_cast<int>(MeshFormat::kObj) + 1 == v1::MeshSource::OBJ);
-static_assert(static_cast<int>(MeshFormat::kJson) + 1 == v1::MeshSource::JSON);
+static_assert(static_cast<int>(MeshFormat::kFreeSurfer) + 1 == v1::MeshSource::FREESURFER);
 
 template <typename Numbers>
 bool sound(const Numbers& numbers) {
@@ -336,7 +336,7 @@ v1::MeshSource::Format toProto(MeshFormat format) {
 }
 
 std::optional<MeshFormat> fromProto(v1::MeshSource::Format format) {
-  if (format < v1::MeshSource::OBJ || format > v1::MeshSource::JSON) return {};
+  if (format < v1::MeshSource::OBJ || format > v1::MeshSource::FREESURFER) return {};
   return static_cast<MeshFormat>(static_cast<int>(format) - 1);
 }
 

@@ -22,7 +22,7 @@ TEST_F(Output, StandardInputIsAMesh) {
 }
 
 TEST_F(Output, ASampleGoesToStandardOutputInEveryFormat) {
-  for (const char* format : {"obj", "off", "ply", "stl"}) {
+  for (const char* format : {"obj", "off", "ply", "stl", "gifti"}) {
     SCOPED_TRACE(format);
     const ProcessResult made =
         run({"sample", "sphere", "resolution=4", "-o", "-", "--format", format});
@@ -33,6 +33,37 @@ TEST_F(Output, ASampleGoesToStandardOutputInEveryFormat) {
     ASSERT_THAT(read_back, Succeeds());
     EXPECT_EQ(Json::parse(read_back.out)["topology"]["genus"].number(), 0);
   }
+}
+
+TEST_F(Output, BrainSurfacesAreReadUnderTheirUsualNames) {
+  ASSERT_THAT(run({"sample", "sphere", "resolution=4", "-o", "lh.surf.gii"}), Succeeds());
+  ASSERT_THAT(run({"sample", "sphere", "resolution=4", "-o", "b.gii.gz", "--binary"}), Succeeds());
+  EXPECT_TRUE(read("lh.surf.gii").starts_with("<?xml"));
+  EXPECT_TRUE(read("b.gii.gz").starts_with("\x1F\x8B"));
+  // A tetrahedron as FreeSurfer writes it: counts, points and triangles, big-endian.
+  std::string pial(
+      "\xFF\xFF\xFE"
+      "by hand\n\n\0\0\0\4\0\0\0\4",
+      20);
+  for (const int axis : {-1, 0, 1, 2}) {
+    for (int i = 0; i < 3; ++i) {
+      pial += i == axis ? std::string("\x3F\x80\0\0", 4) : std::string(4, '\0');
+    }
+  }
+  for (const char corner : std::string("\0\2\1\0\1\3\1\2\3\2\0\3", 12)) {
+    pial += std::string(3, '\0') + corner;
+  }
+  write("lh.pial", pial);
+  for (const char* name : {"lh.surf.gii", "b.gii.gz", "lh.pial"}) {
+    SCOPED_TRACE(name);
+    const ProcessResult result = run({"inspect", name, "--json"});
+    ASSERT_THAT(result, Succeeds());
+    EXPECT_EQ(Json::parse(result.out)["topology"]["genus"].number(), 0);
+    EXPECT_THAT(run({"signature", name}), Succeeds());
+  }
+  EXPECT_THAT(run({"inspect", "lh.pial", "--format", "freesurfer"}), Succeeds());
+  EXPECT_THAT(run({"inspect", "lh.pial", "--format", "gifti"}), FailsWithOneLine());
+  EXPECT_EQ(run({"sample", "sphere", "-o", "lh.sphere"}).exit_code, 1);
 }
 
 TEST_F(Output, AReaderThatHasHadEnoughIsNoFailure) {

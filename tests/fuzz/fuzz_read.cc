@@ -2,6 +2,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "core/mesh/deflate.h"
+#include "core/mesh/gifti.h"
 #include "core/mesh/read.h"
 #include "core/mesh/write.h"
 #include "tests/fuzz/checks.h"
@@ -12,11 +14,10 @@
 namespace moduli {
 namespace {
 
-void checkSound(const TriangleSoup& soup, std::size_t input_size) {
+void checkSound(const TriangleSoup& soup, std::size_t most) {
   require(!soup.faces.empty(), "an accepted file has faces");
-  // Three bytes of text make a corner, one byte of binary.
-  require(soup.faces.size() <= input_size, "faces are bounded by the input");
-  require(soup.vertices.size() <= input_size, "vertices are bounded by the input");
+  require(soup.faces.size() <= most, "faces are bounded by the input");
+  require(soup.vertices.size() <= most, "vertices are bounded by the input");
   for (const Triangle& t : soup.faces) {
     for (const Index v : t) {
       require(v >= 0 && static_cast<std::size_t>(v) < soup.vertices.size(), "indices are in range");
@@ -39,6 +40,23 @@ void checkRoundTrip(const TriangleSoup& soup, MeshFormat format, Encoding encodi
   }
 }
 
+// Tags and doubles come back, too.
+void checkGiftiRoundTrip(std::string_view bytes) {
+  Context context;
+  const auto surface = readGiftiSurface(context, bytes, {});
+  require(surface.ok(), "the two doors to a GIFTI surface agree");
+  GiftiWriteOptions options;
+  options.tags = surface->tags;
+  options.doubles = true;
+  const auto written = writeGiftiSurface(surface->soup, options);
+  if (!written.ok()) return;  // XML has control characters that no tag should have.
+  const auto back = readGiftiSurface(context, *written, {});
+  require(back.ok(), "a written GIFTI surface can be read");
+  require(back->tags.points == surface->tags.points, "tags come back");
+  require(back->tags.file == surface->tags.file, "tags of the file come back");
+  require(back->soup.faces == surface->soup.faces, "faces come back unchanged");
+}
+
 void fuzz(std::string_view bytes) {
   const MeshFormat format = *formatFromName(MODULI_FUZZ_FORMAT);
   Context context;
@@ -53,11 +71,16 @@ void fuzz(std::string_view bytes) {
     checkRefusal(soup.status());
     return;
   }
-  checkSound(*soup, bytes.size());
+  // Three bytes of text make a corner, one byte of binary; what is compressed may grow so far.
+  const bool compressed = format == MeshFormat::kGifti;
+  checkSound(*soup, compressed ? InflateAllowance::forFile(bytes.size()).left : bytes.size());
+  constexpr std::size_t kMostWritten = 20000;  // For the fuzzer's time.
+  if (soup->faces.size() + soup->vertices.size() > kMostWritten) return;
   for (const auto text : {MeshFormat::kObj, MeshFormat::kOff, MeshFormat::kPly}) {
     checkRoundTrip(*soup, text, Encoding::kText);
   }
   checkRoundTrip(*soup, MeshFormat::kPly, Encoding::kBinary);
+  if (format == MeshFormat::kGifti) checkGiftiRoundTrip(bytes);
   // STL numbers vertices by first use, as only a mesh read from STL does.
   if (format == MeshFormat::kStl) checkRoundTrip(*soup, format, Encoding::kText);
 }

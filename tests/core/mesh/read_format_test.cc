@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/mesh/deflate.h"
 #include "tests/core/mesh/read_helpers.h"
 
 namespace moduli {
@@ -12,10 +13,42 @@ TEST(Format, NamesGoThereAndBack) {
     EXPECT_EQ(formatFromName(formatName(format)), format);
     EXPECT_EQ(formatFromExtension("a.b/x." + std::string(formatName(format))), format);
   }
+  for (const auto format : {MeshFormat::kGifti, MeshFormat::kFreeSurfer}) {
+    EXPECT_EQ(formatFromName(formatName(format)), format);
+  }
+  EXPECT_EQ(formatFromName("GII"), MeshFormat::kGifti);
   EXPECT_EQ(formatFromName(".PLY"), MeshFormat::kPly);
   EXPECT_EQ(formatFromExtension("X.OBJ"), MeshFormat::kObj);
   EXPECT_EQ(formatFromExtension("obj"), std::nullopt);
   EXPECT_EQ(formatFromName("3ds"), std::nullopt);
+}
+
+TEST(Format, BrainSurfacesAreKnownByTheirNames) {
+  for (const std::string name : {"a.gii", "lh.pial.gii", "a.surf.gii", "A.SURF.GII", "a.gii.gz"}) {
+    EXPECT_EQ(formatFromExtension(name), MeshFormat::kGifti) << name;
+  }
+  for (const std::string name :
+       {"lh.pial", "rh.white", "lh.inflated", "lh.sphere", "x/lh.smoothwm"}) {
+    EXPECT_EQ(formatFromExtension(name), MeshFormat::kFreeSurfer) << name;
+  }
+  for (const std::string name :
+       {"a.shape.gii", "a.func.gii", "a.label.gii.gz", "a.nii.gz", "a.gz", "lh.sulc", "gii"}) {
+    EXPECT_EQ(formatFromExtension(name), std::nullopt) << name;
+  }
+}
+
+TEST(Format, BrainSurfacesAreKnownByTheirContent) {
+  const std::string xml = "<?xml version=\"1.0\"?>\n<!DOCTYPE GIFTI>\n<GIFTI>";
+  for (const std::string name : {"x.obj", "x.stl", "x"}) {
+    EXPECT_EQ(detectFormat(xml, name), MeshFormat::kGifti);
+    EXPECT_EQ(detectFormat("\xEF\xBB\xBF \n" + xml, name), MeshFormat::kGifti);
+    EXPECT_EQ(detectFormat(gzipBytes(xml), name), MeshFormat::kGifti);
+    EXPECT_EQ(detectFormat("\xFF\xFF\xFE", name), MeshFormat::kFreeSurfer);
+  }
+  EXPECT_EQ(detectFormat("<svg>GIF</svg>", "x"), std::nullopt);
+  EXPECT_EQ(detectFormat(gzipBytes("v 0 0 0\n"), "x.obj"), std::nullopt);
+  EXPECT_EQ(detectFormat("v 0 0 0\n", "lh.pial"), MeshFormat::kObj);
+  EXPECT_EQ(detectFormat("nothing", "lh.pial"), std::nullopt);
 }
 
 TEST(Format, ContentDecidesBeforeTheName) {

@@ -168,6 +168,9 @@ TEST(Convert, OptionsAndEnumsTravelThereAndBack) {
   EXPECT_EQ(fromProto(static_cast<v1::Signature::Space>(99)), std::nullopt);
   EXPECT_EQ(fromProto(toProto(MeshFormat::kStl)), MeshFormat::kStl);
   EXPECT_EQ(fromProto(toProto(MeshFormat::kJson)), MeshFormat::kJson);
+  EXPECT_EQ(toProto(MeshFormat::kGifti), v1::MeshSource::GIFTI);
+  EXPECT_EQ(fromProto(toProto(MeshFormat::kFreeSurfer)), MeshFormat::kFreeSurfer);
+  EXPECT_EQ(fromProto(static_cast<v1::MeshSource::Format>(8)), std::nullopt);
   EXPECT_EQ(fromProto(v1::MeshSource::FORMAT_UNSPECIFIED), std::nullopt);
 }
 
