@@ -34,20 +34,22 @@ struct DiskMap {
   double asymmetry = 0;
 };
 
-/// By linear solves alone, on the surface alone: the linear map to the sphere of the double, which
-/// the mirror keeps, in half the unknowns. With the pole on a central edge of the boundary, the
-/// even function u (natural boundary conditions) and the odd one v (0 on the boundary) map to the
-/// upper half plane; their mean dilatation removed, u + i v goes to the disk and is relaxed to
-/// harmonic in the half planes around the pole and around the opposite point of the circle in turn.
-/// Weights are those of the intrinsic Delaunay triangulation of the double.
+/// By linear solves alone, on the surface alone, with one factorization. A conformal map that
+/// carries a point of the surface to 0 turns the boundary by the harmonic measure seen from there:
+/// what flows out of a source there where the boundary is kept at 0. The boundary stands on the
+/// circle accordingly, and the inside is its harmonic extension, which on the weights of the
+/// intrinsic Delaunay triangulation (none negative inside) folds none of that one's faces (Tutte;
+/// Radó, Kneser, Choquet). The point is first the one farthest from the boundary (for a random
+/// walker), then the one that the first map has nearest to the centre. A surface without inner
+/// vertices gets some convex polygon.
 ///
 /// lengths: per edge, proper triangles. Depends on the lengths alone, up to a rotation, but for the
-/// choice among boundary edges that a symmetry of the surface carries into each other, where the
-/// lowest index wins. Positions converge at second order in the mean square on smooth surfaces.
-/// Fails with kUnsupportedTopology (not connected, of genus 0 with one boundary loop), kFoldedMap
-/// (with the number of flipped faces, or where the boundary turns back), and as
-/// flipToDelaunayIsometric, SpdSolver and centerDisk do. Two factorizations of the surface and four
-/// of parts of it: some 5 to 8 F. Source: MATH 2.3, 2.7, 5.2.
+/// choice among points that a symmetry of the surface carries into each other, where the lowest
+/// index wins. Positions converge at second order in the mean square on smooth surfaces. Fails with
+/// kUnsupportedTopology (not connected, of genus 0 with one boundary loop), kFoldedMap (with the
+/// number of flipped faces, or where the boundary turns back), and as flipToDelaunayIsometric,
+/// SpdSolver and centerDisk do. Some 2 F. Source: MATH 2.3, 5.1; harmonic measure: Garnett and
+/// Marshall 2005, chapter I.
 Result<DiskMap> mapToDiskLinear(Context& context, const Connectivity& surface,
                                 const std::vector<double>& lengths);
 

@@ -261,13 +261,13 @@ TEST(DiskMap, PutsTheTipOfACollapsedFaceBetweenItsNeighbours) {
   // One of the mesh's eighty faces with two boundary edges has an angle of 92 degrees at its third.
   MODULI_NEED_SHARED_MESH(path, "disk/cfwen__face.off");
   const TriangleMesh mesh = surfaces::mesh(surfaces::read(path));
-  for (const auto method : {&linear, &doubled}) {
-    const auto map = method(mesh);
-    ASSERT_OK(map);
-    EXPECT_GE(map->reset_tips, 1);
-    EXPECT_LE(map->reset_tips, 3);
-    expectDisk(mesh, *map);
-  }
+  const auto map = doubled(mesh);
+  ASSERT_OK(map);
+  EXPECT_GE(map->reset_tips, 1);
+  EXPECT_LE(map->reset_tips, 3);
+  expectDisk(mesh, *map);
+  // Seen from one point alone the jagged boundary of this mesh hides some of its vertices.
+  EXPECT_THAT(linear(mesh), FailsWith(Reason::kFoldedMap));
 }
 
 TEST(DiskMap, NamesWhatFolds) {
