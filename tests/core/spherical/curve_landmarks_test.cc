@@ -134,7 +134,7 @@ TEST(ResampleCurve, NamesWhatIsNoPath) {
 TEST(CurveLandmarks, OfASurfaceWithItselfAreWhereTheyAre) {
   const MappedSurface map = surfaces::roundSphere(8, 6);
   const std::vector<double> lengths = map.mesh.edgeLengths();
-  const MetricSurface metric{map.surface(), lengths};
+  const MeasuredSurface metric{map.surface(), lengths};
   const Index goal = surfaces::nearestVertex(map.points, {0, 0, 1});
   const Index other = surfaces::nearestVertex(map.points, {0, 1, 0});
   const std::vector<Index> one = pathBetween(map, 0, goal), two = pathBetween(map, other, goal);
