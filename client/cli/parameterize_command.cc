@@ -8,6 +8,7 @@
 #include "client/cli/command.h"
 #include "client/cli/file_writer.h"
 #include "client/cli/mesh_argument.h"
+#include "client/cli/parameterize_picture.h"
 #include "client/cli/prepare_arguments.h"
 #include "client/cli/report.h"
 #include "client/cli/session.h"
@@ -182,23 +183,31 @@ Status runParameterize(Session& session, const Arguments& arguments) {
   v1::ParameterizeRequest request;
   ASSIGN_OR_RETURN(*request.mutable_options(), optionsOf(arguments));
   *request.mutable_prepare() = prepareOf(arguments);
-  request.set_omit_arrays(!arguments.has("output"));
+  const bool draws = arguments.has("picture");
+  request.set_omit_arrays(!arguments.has("output") && !draws);
   ASSIGN_OR_RETURN(const MeshArgument mesh,
                    MeshArgument::open(session, arguments.text("MESH"), arguments.text("format")));
   const std::string output = arguments.text("output");
   FileWriter writer(output, true);
+  FileWriter picture(arguments.text("picture"), true);
   // Now, so that a place where nothing can be written is told before the work.
-  if (!request.omit_arrays()) RETURN_IF_ERROR(writer.open());
+  if (arguments.has("output")) RETURN_IF_ERROR(writer.open());
+  if (draws) RETURN_IF_ERROR(picture.open());
   ASSIGN_OR_RETURN(Client* const client, session.client(mesh.need()));
   Result<v1::MeshSource> source = mesh.source(*client);
   if (!source.ok()) return session.explain(mesh.name(), source.status());
   *request.mutable_source() = *std::move(source);
   const Result<ParameterizedMesh> result = client->parameterize(request);
   if (!result.ok()) return session.explain(mesh.name(), result.status());
-  if (!request.omit_arrays()) RETURN_IF_ERROR(writeResult(writer, *result));
+  if (arguments.has("output")) RETURN_IF_ERROR(writeResult(writer, *result));
+  if (draws) {
+    ASSIGN_OR_RETURN(const std::string bytes, pictureOf(*client, arguments, mesh, *result));
+    RETURN_IF_ERROR(picture.write(bytes));
+    RETURN_IF_ERROR(picture.commit());
+  }
   if (session.json()) return session.printJson(result->result);
   if (session.quiet()) return {};
-  const std::string written = request.omit_arrays() ? "" : writtenLine(output, *result);
+  const std::string written = arguments.has("output") ? writtenLine(output, *result) : "";
   return session.print(parameterizationReport(mesh.name(), result->result) + written);
 }
 
@@ -219,6 +228,7 @@ std::optional<std::string> checkParameterize(const Arguments& arguments) {
     return rectangle ? "--to rectangle needs its four corners: --corners a,b,c,d"
                      : "--corners are those of --to rectangle";
   }
+  if (const auto wrong = checkPicture(arguments)) return wrong;
   if (!arguments.has("output")) return std::nullopt;
   const std::string output = arguments.text("output");
   const std::size_t dot = output.rfind('.');
@@ -278,6 +288,7 @@ std::vector<OptionSpec> parameterizeOptions() {
        .help = "How the metric is found (newton)",
        .choices = {"newton", "flow"}},
       initialDelaunayOption()};
+  for (OptionSpec& option : pictureOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
   options.push_back(formatOption());
   return options;
@@ -313,7 +324,7 @@ std::vector<CommandSpec> parameterizeCommands() {
        .options = parameterizeOptions(),
        .check = checkParameterize,
        .run = runParameterize,
-       .examples = "moduli parameterize bunny.obj --to sphere -o sphere.obj\n"
+       .examples = "moduli parameterize bunny.obj --to sphere -o sphere.obj --picture sphere.png\n"
                    "moduli parameterize face.obj --to disk --mobius 1,0.3i,-0.3i,1 -o disk.obj\n"
                    "moduli parameterize face.obj --to rectangle --corners 0,40,80,120 --json\n"
                    "moduli parameterize plate.obj --to circle-domain -o circles.obj\n"

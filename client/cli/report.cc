@@ -185,7 +185,7 @@ std::string metricLine(const v1::ParameterizationCertificate& certificate) {
 
 std::string domainLines(const v1::Parameterization& result) {
   std::string text;
-  if (result.method() != v1::ParameterizationOptions::METHOD_UNSPECIFIED) {
+  if (result.has_method()) {
     text += line("method", v1::ParameterizationOptions::Method_Name(result.method()));
   }
   if (result.has_modulus()) text += line("modulus", brief(result.modulus()));
