@@ -133,12 +133,13 @@ Result<Options> optionsOf(const Arguments& arguments) {
   options.set_method(valueOf(arguments.text("method"), Options::Method_Parse));
   if (arguments.has("refine")) options.set_refine(arguments.text("refine") == "auto");
   if (arguments.has("corners")) {
-    const auto corners = parseCorners(arguments.text("corners"));
-    for (const int corner : *corners) options.add_corners(corner);
+    const auto corners = parseCorners(arguments.text("corners")).value_or(std::array<int, 4>{});
+    for (const int corner : corners) options.add_corners(corner);
   }
   if (arguments.has("mobius")) {
-    const auto entries = parseMobius(arguments.text("mobius"));
-    for (const std::complex<double>& entry : *entries) {
+    const auto mobius =
+        parseMobius(arguments.text("mobius")).value_or(std::array<std::complex<double>, 4>{});
+    for (const std::complex<double>& entry : mobius) {
       v1::Complex& message = *options.add_mobius();
       message.set_re(entry.real());
       message.set_im(entry.imag());

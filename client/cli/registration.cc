@@ -81,6 +81,9 @@ std::optional<std::string> checkRegistrationArguments(const Arguments& arguments
   if (!other && arguments.has("landmarks")) {
     return "--carried writes the reference's field: give --reference-field FILE";
   }
+  if (arguments.text("carried") == arguments.text("output")) {
+    return "--carried and --output name the same file";
+  }
   if (isValuesFileName(arguments.text("carried"))) return std::nullopt;
   return "--carried writes GIFTI or text: the name must end in .gii, .gii.gz or .txt, not '" +
          arguments.text("carried") + "'";

@@ -14,9 +14,7 @@
 #include "core/spherical/cap_loops.h"
 #include "core/spherical/circle_domain_map.h"
 #include "core/spherical/exact_sign.h"
-#include "core/spherical/heat_flow.h"
 #include "core/spherical/koebe.h"
-#include "core/spherical/sphere_map.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli {
@@ -58,27 +56,10 @@ class CircleDomainMapping {
   Result<Parameterization> run() {
     ASSIGN_OR_RETURN(capped_, capLoops(surface_, lengths_, loops_));
     positions_ = cappedPositions(surface_, loops_, std::move(positions_));
-    if (options_.method == MapMethod::kLinear || options_.method == MapMethod::kHeatFlow) {
-      ASSIGN_OR_RETURN(const Points3 points, simpleMap());
-      result_.method = options_.method;
-      RETURN_IF_ERROR(roundLoops(points));
-      return std::move(result_);
-    }
     return robustly();
   }
 
  private:
-  Result<Points3> simpleMap() {
-    if (options_.method == MapMethod::kLinear) {
-      ASSIGN_OR_RETURN(SphereMap map,
-                       mapToSphereLinear(context_, capped_->connectivity, capped_->lengths));
-      return std::move(map.points);
-    }
-    ASSIGN_OR_RETURN(HeatFlowMap map, mapToSphereHeatFlow(context_, capped_->connectivity,
-                                                          capped_->lengths, positions_));
-    return std::move(map.points);
-  }
-
   Result<Parameterization> robustly() {
     result_.method = MapMethod::kRobust;
     Status failure;
@@ -259,6 +240,11 @@ Result<Parameterization> parameterizeCircleDomain(Context& context, const Connec
                      parameterizeDisk(context, surface, lengths, positions, disk));
     result.circles = {Circle{0, 1}};
     return result;
+  }
+  if (options.method == MapMethod::kLinear || options.method == MapMethod::kHeatFlow) {
+    return Status{Reason::kInvalidOption,
+                  "method " + methodName(options.method) + " does not map several boundary loops",
+                  "take method robust or auto"};
   }
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
   ASSIGN_OR_RETURN(

@@ -27,7 +27,7 @@ struct DiskOptions {
 /// and flattens the rest on a half plane; heat flow maps the double to the sphere (the double
 /// cover); linear solves linear systems of the surface alone. Fails with kUnsupportedTopology,
 /// kInvalidOption (a Möbius map that moves the circle), kFoldedMap, and as the solvers do.
-/// Robust: some 5 factorizations, 6 to 9 F; linear: below 4 F. Source: MATH 2.5, 2.8.
+/// Robust: some 5 factorizations, 6 to 9 F; linear: 2 F. Source: MATH 2.5, 2.8.
 Result<Parameterization> parameterizeDisk(Context& context, const Connectivity& surface,
                                           const std::vector<double>& lengths,
                                           const std::vector<Eigen::Vector3d>& positions,

@@ -17,7 +17,7 @@ std::string targetOf(const SurfaceTopology& topology) {
   if (topology.components != 1) return "name one with --component";
   if (topology.genus > 0) {
     return loops == 0 && topology.genus == 1
-               ? "--to torus or --to flat maps it"
+               ? "--to flat maps it"
                : "--to flat maps it with cones; --fill-holes and --repair may remove handles that "
                  "are none";
   }

@@ -19,10 +19,6 @@ struct ContextDeleter {
 using Surface = std::unique_ptr<cairo_surface_t, SurfaceDeleter>;
 using Drawing = std::unique_ptr<cairo_t, ContextDeleter>;
 
-constexpr int kMargin = 16;
-constexpr int kHeading = 44;
-constexpr int kWords = 46;
-
 Status cairoError(cairo_status_t status) {
   return {Reason::kInternal, std::string("drawing failed: ") + cairo_status_to_string(status)};
 }
@@ -120,8 +116,8 @@ Result<Image> composeSheet(const std::string& heading, const std::vector<SheetCe
     cell_height = std::max(cell_height, cell.image.height);
   }
   const int rows = (static_cast<int>(cells.size()) + columns - 1) / columns;
-  const int width = kMargin + columns * (cell_width + kMargin);
-  const int height = kHeading + rows * (cell_height + kWords) + kMargin;
+  const int width = kSheetMargin + columns * (cell_width + kSheetMargin);
+  const int height = kSheetHeading + rows * (cell_height + kSheetWords) + kSheetMargin;
   const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
   if (const auto status = cairo_surface_status(surface.get()); status != CAIRO_STATUS_SUCCESS) {
     return cairoError(status);
@@ -129,10 +125,10 @@ Result<Image> composeSheet(const std::string& heading, const std::vector<SheetCe
   const Drawing context(cairo_create(surface.get()));
   cairo_set_source_rgb(context.get(), 1, 1, 1);
   cairo_paint(context.get());
-  write(context.get(), heading, kMargin, 29, 18, 0.1, true, width - 2 * kMargin);
+  write(context.get(), heading, kSheetMargin, 29, 18, 0.1, true, width - 2 * kSheetMargin);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const int x = kMargin + static_cast<int>(i) % columns * (cell_width + kMargin);
-    const int y = kHeading + static_cast<int>(i) / columns * (cell_height + kWords);
+    const int x = kSheetMargin + static_cast<int>(i) % columns * (cell_width + kSheetMargin);
+    const int y = kSheetHeading + static_cast<int>(i) / columns * (cell_height + kSheetWords);
     copyTo(surface.get(), cells[i].image, x, y);
     if (cells[i].highlighted) frame(context.get(), x, y, cells[i].image);
     write(context.get(), cells[i].title, x, y + cell_height + 17, 13, 0.1, true, cell_width);

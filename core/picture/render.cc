@@ -3,221 +3,234 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
+
+#include "core/picture/raster.h"
 
 namespace moduli {
 namespace {
 
-Vec3 operator-(const Vec3& a, const Vec3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-Vec3 operator*(double s, const Vec3& a) {
-  return {s * a[0], s * a[1], s * a[2]};
-}
-double dot(const Vec3& a, const Vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-Vec3 normalized(const Vec3& a) {
-  const double length = std::sqrt(dot(a, a));
-  return length > 0 ? (1 / length) * a : a;
-}
-bool finite(const Vec3& a) {
-  return std::isfinite(a[0]) && std::isfinite(a[1]) && std::isfinite(a[2]);
-}
+using namespace vec3;
 
-// Points and normals in the eye's frame: x to the right, y down, z towards the eye; x and y in
-// samples.
-struct Projected {
-  std::vector<Vec3> points;
-  std::vector<Vec3> normals;
-};
-
-struct Frame {
-  Vec3 right, down, eye;
-};
-
-Frame frameOf(const RenderOptions& options) {
-  const Vec3 eye = normalized(options.view_from);
-  const Vec3 right = normalized(cross(options.up, eye));
-  return {right, cross(right, eye), eye};
-}
+constexpr double kFill = 0.92;  // Leaves a margin around the surface.
+constexpr std::size_t kBandSamples = std::size_t{1} << 22;
 
 bool drawable(const CornerIndices& face, std::span<const Vec3> points) {
-  for (const int i : face) {
-    if (i < 0 || static_cast<std::size_t>(i) >= points.size() || !finite(points[i])) return false;
-  }
-  return true;
+  return std::all_of(face.begin(), face.end(), [&](int i) {
+    return i >= 0 && static_cast<std::size_t>(i) < points.size() && finite(points[i]);
+  });
 }
 
-std::vector<CornerIndices> drawableFaces(std::span<const Vec3> points,
-                                         std::span<const CornerIndices> faces) {
-  std::vector<CornerIndices> kept;
-  kept.reserve(faces.size());
-  for (const CornerIndices& face : faces) {
-    if (drawable(face, points)) kept.push_back(face);
+std::vector<int> drawableFaces(const Scene& scene) {
+  std::vector<int> kept;
+  kept.reserve(scene.faces.size());
+  for (std::size_t f = 0; f < scene.faces.size(); ++f) {
+    if (drawable(scene.faces[f], scene.points)) kept.push_back(static_cast<int>(f));
   }
   return kept;
 }
 
-Projected project(std::span<const Vec3> points, const std::vector<CornerIndices>& faces,
-                  const Frame& frame, int width, int height) {
-  Projected result{std::vector<Vec3>(points.size(), Vec3{}),
-                   std::vector<Vec3>(points.size(), Vec3{})};
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec3 low = {kInfinity, kInfinity, kInfinity}, high = {-kInfinity, -kInfinity, -kInfinity};
-  for (const CornerIndices& face : faces) {
-    for (const int i : face) {
-      Vec3& p = result.points[i];
-      p = {dot(points[i], frame.right), dot(points[i], frame.down), dot(points[i], frame.eye)};
-      for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], p[axis]);
-        high[axis] = std::max(high[axis], p[axis]);
-      }
-    }
-  }
-  constexpr double kFill = 0.92;  // Leaves a margin around the surface.
-  const double extent = std::max({(high[0] - low[0]) / width, (high[1] - low[1]) / height,
-                                  std::numeric_limits<double>::min()});
-  const double scale = kFill / extent;
-  for (Vec3& p : result.points) {
-    p = {scale * (p[0] - (low[0] + high[0]) / 2) + 0.5 * width,
-         scale * (p[1] - (low[1] + high[1]) / 2) + 0.5 * height, scale * (p[2] - high[2])};
-  }
-  for (const CornerIndices& face : faces) {  // Area-weighted vertex normals.
-    const Vec3& a = result.points[face[0]];
-    const Vec3 n = cross(result.points[face[1]] - a, result.points[face[2]] - a);
-    for (const int i : face) {
-      for (int axis = 0; axis < 3; ++axis) result.normals[i][axis] += n[axis];
-    }
-  }
-  for (Vec3& n : result.normals) n = normalized(n);
-  return result;
+bool drawable(const Segment& segment) {
+  return finite(segment[0]) && finite(segment[1]);
 }
+
+struct Box {
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec3 low = {kInfinity, kInfinity, kInfinity};
+  Vec3 high = {-kInfinity, -kInfinity, -kInfinity};
+
+  void add(const Vec3& p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], p[axis]);
+      high[axis] = std::max(high[axis], p[axis]);
+    }
+  }
+};
 
 // A key light from the upper left, a weaker one from the right, some light from everywhere.
 double brightness(const Vec3& normal) {
   static const Vec3 kKey = normalized({-0.5, -0.7, 0.9});
-  static const Vec3 kFill = normalized({0.8, 0.2, 0.5});
+  static const Vec3 kSide = normalized({0.8, 0.2, 0.5});
   // The y axis points down, so a face seen from outside has its normal along -z before this.
   const Vec3 n = normal[2] < 0 ? -1.0 * normal : normal;
-  return 0.32 + 0.58 * std::max(0.0, dot(n, kKey)) + 0.18 * std::max(0.0, dot(n, kFill));
+  return 0.32 + 0.58 * std::max(0.0, dot(n, kKey)) + 0.18 * std::max(0.0, dot(n, kSide));
 }
 
-struct Sample {
-  float depth = -std::numeric_limits<float>::infinity();
-  Color color;
-};
-
-class Rasterizer {
+/// A scene on its way to pixels; everything in samples.
+class Renderer {
  public:
-  Rasterizer(int width, int height, Color background)
-      : width_(width),
-        height_(height),
-        samples_(std::size_t(width) * height,
-                 {-std::numeric_limits<float>::infinity(), background}) {}
-
-  void draw(const std::array<const Vec3*, 3>& p, const std::array<const Vec3*, 3>& n,
-            const std::array<Color, 3>& c) {
-    const double area = edge(*p[0], *p[1], *p[2]);
-    if (area == 0) return;
-    const auto [x0, x1] = range((*p[0])[0], (*p[1])[0], (*p[2])[0], width_);
-    const auto [y0, y1] = range((*p[0])[1], (*p[1])[1], (*p[2])[1], height_);
-    for (int y = y0; y <= y1; ++y) {
-      for (int x = x0; x <= x1; ++x) {
-        const Vec3 q = {x + 0.5, y + 0.5, 0};
-        const Vec3 w = {edge(*p[1], *p[2], q) / area, edge(*p[2], *p[0], q) / area,
-                        edge(*p[0], *p[1], q) / area};
-        if (w[0] < 0 || w[1] < 0 || w[2] < 0) continue;
-        shade(samples_[std::size_t(y) * width_ + x], p, n, c, w);
-      }
+  Renderer(const Scene& scene, const RenderOptions& options)
+      : scene_(scene),
+        options_(options),
+        factor_(std::clamp(options.supersampling, 1, 8)),
+        faces_(drawableFaces(scene)),
+        projection_(scene, options) {
+    if (!projection_.valid()) return;
+    points_.assign(scene.points.size(), Vec3{});
+    for (const int f : faces_) {
+      for (const int i : scene.faces[f]) points_[i] = factor_ * projection_(scene.points[i]);
     }
+    if (options.shaded) findNormals();
   }
 
-  Image downsampled(int factor) const {
-    Image image(width_ / factor, height_ / factor, {});
-    for (int y = 0; y < image.height; ++y) {
-      for (int x = 0; x < image.width; ++x)
-        image.at(x, y) = average(x * factor, y * factor, factor);
+  Image render() const {
+    Image image(std::max(1, options_.width), std::max(1, options_.height), options_.background);
+    if (!projection_.valid()) return image;
+    const std::size_t row = static_cast<std::size_t>(factor_) * factor_ * image.width;
+    const int rows = static_cast<int>(
+        std::clamp<std::size_t>(kBandSamples / row, 1, static_cast<std::size_t>(image.height)));
+    for (int y = 0; y < image.height; y += rows) {
+      renderBand(image, y, std::min(rows, image.height - y));
     }
     return image;
   }
 
  private:
-  static double edge(const Vec3& a, const Vec3& b, const Vec3& q) {
-    return (b[0] - a[0]) * (q[1] - a[1]) - (b[1] - a[1]) * (q[0] - a[0]);
-  }
-
-  static std::pair<int, int> range(double a, double b, double c, int limit) {
-    const double low = std::max(0.0, std::floor(std::min({a, b, c})));
-    const double high = std::min(limit - 1.0, std::ceil(std::max({a, b, c})));
-    return {static_cast<int>(low), static_cast<int>(high)};
-  }
-
-  static void shade(Sample& sample, const std::array<const Vec3*, 3>& p,
-                    const std::array<const Vec3*, 3>& n, const std::array<Color, 3>& c,
-                    const Vec3& w) {
-    const auto depth =
-        static_cast<float>(w[0] * (*p[0])[2] + w[1] * (*p[1])[2] + w[2] * (*p[2])[2]);
-    if (depth <= sample.depth) return;
-    Vec3 normal{};
-    Vec3 color{};
-    for (int i = 0; i < 3; ++i) {
-      for (int axis = 0; axis < 3; ++axis) normal[axis] += w[i] * (*n[i])[axis];
-      color[0] += w[i] * c[i].red;
-      color[1] += w[i] * c[i].green;
-      color[2] += w[i] * c[i].blue;
+  // Weighted by area.
+  void findNormals() {
+    normals_.assign(points_.size(), Vec3{});
+    for (const int f : faces_) {
+      const CornerIndices& face = scene_.faces[f];
+      const Vec3& a = points_[face[0]];
+      const Vec3 n = cross(points_[face[1]] - a, points_[face[2]] - a);
+      for (const int i : face) normals_[i] = normals_[i] + n;
     }
-    const double light = brightness(normalized(normal));
-    const auto channel = [light](double value) {
-      return static_cast<std::uint8_t>(std::clamp(light * value, 0.0, 255.0));
-    };
-    sample = {depth, {channel(color[0]), channel(color[1]), channel(color[2])}};
+    for (Vec3& n : normals_) n = normalized(n);
   }
 
-  Color average(int x0, int y0, int factor) const {
+  void renderBand(Image& image, int first_row, int rows) const {
+    Raster raster(factor_ * image.width, factor_ * first_row, factor_ * rows);
+    for (const int f : faces_) {
+      const CornerIndices& face = scene_.faces[f];
+      raster.drawTriangle(f, points_[face[0]], points_[face[1]], points_[face[2]]);
+    }
+    for (std::size_t i = 0; i < scene_.lines.size(); ++i) {
+      const LineSet& lines = scene_.lines[i];
+      for (const Segment& segment : lines.segments) {
+        if (!drawable(segment)) continue;
+        raster.drawLine(static_cast<int>(i), factor_ * projection_(segment[0]),
+                        factor_ * projection_(segment[1]), factor_ * lines.width, 2.0 * factor_);
+      }
+    }
+    for (int y = first_row; y < first_row + rows; ++y) {
+      for (int x = 0; x < image.width; ++x) image.at(x, y) = pixel(raster, x, y);
+    }
+  }
+
+  Color pixel(const Raster& raster, int x, int y) const {
     int red = 0, green = 0, blue = 0;
-    for (int y = y0; y < y0 + factor; ++y) {
-      for (int x = x0; x < x0 + factor; ++x) {
-        const Color& color = samples_[std::size_t(y) * width_ + x].color;
+    for (int sy = factor_ * y; sy < factor_ * (y + 1); ++sy) {
+      for (int sx = factor_ * x; sx < factor_ * (x + 1); ++sx) {
+        const Color color = look(raster.at(sx, sy));
         red += color.red;
         green += color.green;
         blue += color.blue;
       }
     }
-    const int count = factor * factor;
+    const int count = factor_ * factor_;
     return {static_cast<std::uint8_t>(red / count), static_cast<std::uint8_t>(green / count),
             static_cast<std::uint8_t>(blue / count)};
   }
 
-  int width_, height_;
-  std::vector<Sample> samples_;
+  Color look(const Sample& sample) const {
+    if (sample.what == Sample::kNothing) return options_.background;
+    if (sample.what < 0) return scene_.lines[Sample::lineOf(sample.what)].color;
+    const double second = sample.second, third = sample.third;
+    const Vec3 weights = {1 - second - third, second, third};
+    const Color color = scene_.paint ? scene_.paint(sample.what, weights) : options_.surface;
+    return options_.shaded ? lit(color, sample.what, weights) : color;
+  }
+
+  Color lit(const Color& color, int f, const Vec3& weights) const {
+    const CornerIndices& face = scene_.faces[f];
+    Vec3 normal{};
+    for (int i = 0; i < 3; ++i) normal = normal + weights[i] * normals_[face[i]];
+    const double light = brightness(normalized(normal));
+    const auto channel = [light](double value) {
+      return static_cast<std::uint8_t>(std::clamp(light * value, 0.0, 255.0));
+    };
+    return {channel(color.red), channel(color.green), channel(color.blue)};
+  }
+
+  const Scene& scene_;
+  const RenderOptions& options_;
+  int factor_;
+  std::vector<int> faces_;
+  Projection projection_;
+  std::vector<Vec3> points_, normals_;
 };
+
+Color mixed(const Color& a, const Color& b, const Color& c, const Vec3& weights) {
+  const auto channel = [&weights](double x, double y, double z) {
+    const double value = weights[0] * x + weights[1] * y + weights[2] * z;
+    return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+  };
+  return {channel(a.red, b.red, c.red), channel(a.green, b.green, c.green),
+          channel(a.blue, b.blue, c.blue)};
+}
 
 }  // namespace
 
-Image renderSurface(std::span<const Vec3> points, std::span<const CornerIndices> faces,
-                    std::span<const Color> colors, const RenderOptions& options) {
-  const int factor = std::clamp(options.supersampling, 1, 8);
-  const int width = factor * options.width, height = factor * options.height;
-  const std::vector<CornerIndices> kept = drawableFaces(points, faces);
-  Rasterizer raster(width, height, options.background);
-  if (!kept.empty()) {
-    const Projected scene = project(points, kept, frameOf(options), width, height);
-    for (const CornerIndices& face : kept) {
-      std::array<const Vec3*, 3> p{}, n{};
-      std::array<Color, 3> c{};
-      for (int i = 0; i < 3; ++i) {
-        p[i] = &scene.points[face[i]];
-        n[i] = &scene.normals[face[i]];
-        c[i] = colors.size() == points.size() ? colors[face[i]] : options.surface;
-      }
-      raster.draw(p, n, c);
+RenderOptions planeView(int width, int height) {
+  RenderOptions options;
+  options.width = width;
+  options.height = height;
+  options.view_from = {0, 0, 1};
+  options.up = {0, 1, 0};
+  options.shaded = false;
+  return options;
+}
+
+Projection::Projection(const Scene& scene, const RenderOptions& options) {
+  eye_ = normalized(options.view_from);
+  right_ = normalized(cross(options.up, eye_));
+  down_ = cross(right_, eye_);
+  Box box;
+  const auto add = [&](const Vec3& p) { box.add({dot(p, right_), dot(p, down_), dot(p, eye_)}); };
+  for (const CornerIndices& face : scene.faces) {
+    if (!drawable(face, scene.points)) continue;
+    for (const int i : face) add(scene.points[i]);
+  }
+  for (const LineSet& lines : scene.lines) {
+    for (const Segment& segment : lines.segments) {
+      if (!drawable(segment)) continue;
+      add(segment[0]);
+      add(segment[1]);
     }
   }
-  return raster.downsampled(factor);
+  const Vec3 size = box.high - box.low;
+  if (!(size[0] >= 0) || !finite(size)) return;
+  half_width_ = 0.5 * std::max(1, options.width);
+  half_height_ = 0.5 * std::max(1, options.height);
+  const double extent = std::max({size[0] / (2 * half_width_), size[1] / (2 * half_height_),
+                                  std::numeric_limits<double>::min()});
+  middle_ = {box.low[0] + size[0] / 2, box.low[1] + size[1] / 2, box.high[2]};
+  scale_ = kFill / extent;
+}
+
+Vec3 Projection::operator()(const Vec3& point) const {
+  return {scale_ * (dot(point, right_) - middle_[0]) + half_width_,
+          scale_ * (dot(point, down_) - middle_[1]) + half_height_,
+          scale_ * (dot(point, eye_) - middle_[2])};
+}
+
+Image renderScene(const Scene& scene, const RenderOptions& options) {
+  return Renderer(scene, options).render();
+}
+
+Image renderSurface(std::span<const Vec3> points, std::span<const CornerIndices> faces,
+                    std::span<const Color> colors, const RenderOptions& options) {
+  Scene scene;
+  scene.points = points;
+  scene.faces = faces;
+  if (colors.size() == points.size()) {
+    scene.paint = [&](int f, const Vec3& weights) {
+      const CornerIndices& face = faces[f];
+      return mixed(colors[face[0]], colors[face[1]], colors[face[2]], weights);
+    };
+  }
+  return renderScene(scene, options);
 }
 
 }  // namespace moduli

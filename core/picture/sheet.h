@@ -15,6 +15,12 @@ struct SheetCell {
   bool highlighted = false;
 };
 
+/// Pixels around and between the pictures of a sheet, of its heading, and of the words below each
+/// picture: a sheet is margin + columns (picture + margin) wide and heading + rows (picture +
+/// words)
+/// + margin high.
+inline constexpr int kSheetMargin = 16, kSheetHeading = 44, kSheetWords = 46;
+
 /// Pictures of one size in rows of `columns`, each above its words, under a heading.
 /// Fails with kInvalidOption without cells or columns, kInternal if the drawing library fails.
 Result<Image> composeSheet(const std::string& heading, const std::vector<SheetCell>& cells,

@@ -92,7 +92,7 @@ Result<std::vector<SurfacePoint>> resampleCurve(const Connectivity& surface,
   return points;
 }
 
-Result<std::vector<Landmark>> curveLandmarks(const MetricSurface& a, const MetricSurface& b,
+Result<std::vector<Landmark>> curveLandmarks(const MeasuredSurface& a, const MeasuredSurface& b,
                                              const Points3& points_b,
                                              const std::vector<CurvePair>& curves) {
   if (points_b.size() != static_cast<std::size_t>(b.surface.vertexCount())) {

@@ -28,7 +28,7 @@ struct CurvePair {
 };
 
 /// A surface as curves see it. Refers to its parts.
-struct MetricSurface {
+struct MeasuredSurface {
   const Connectivity& surface;
   const std::vector<double>& lengths;  ///< Per edge.
 };
@@ -37,7 +37,7 @@ struct MetricSurface {
 /// at the same share of length, curve after curve. points_b: per vertex of B. Where curves end at a
 /// common vertex on both surfaces the landmark comes once. Fails as resampleCurve does, saying
 /// which curve of which surface.
-Result<std::vector<Landmark>> curveLandmarks(const MetricSurface& a, const MetricSurface& b,
+Result<std::vector<Landmark>> curveLandmarks(const MeasuredSurface& a, const MeasuredSurface& b,
                                              const Points3& points_b,
                                              const std::vector<CurvePair>& curves);
 

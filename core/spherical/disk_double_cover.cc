@@ -125,6 +125,7 @@ Result<DiskMap> mapToDiskDoubleCover(Context& context, const Connectivity& surfa
   }
   ASSIGN_OR_RETURN(DiskMap map,
                    spherical::centeredDiskMap(context, surface, lengths, areas, symmetric.points));
+  ASSIGN_OR_RETURN(map, spherical::withTipsReset(context, surface, lengths, areas, std::move(map)));
   map.iterations = static_cast<int>(flow.energies.size()) - 1;
   map.flips = flow.flips;
   map.asymmetry = symmetric.asymmetry;

@@ -27,6 +27,33 @@ bool runsAround(const Connectivity& surface, const DiskMap& map) {
   return std::abs(turn - 2 * std::numbers::pi) < 1;
 }
 
+/// Parts of an arc smaller than this times their share are due to rounding.
+constexpr double kCollapsed = 1e-3;
+
+/// Moves the tips, as the header says. Returns how many.
+Index resetFoldedTips(const Connectivity& surface, const std::vector<double>& lengths,
+                      std::vector<std::complex<double>>& points) {
+  Index count = 0;
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+    const Index next = Connectivity::next(h), third = Connectivity::previous(h);
+    if (surface.twin(h) != kNone || surface.twin(next) != kNone || surface.twin(third) == kNone) {
+      continue;
+    }
+    const std::complex<double>& from = points[surface.tail(h)];
+    std::complex<double>& tip = points[surface.head(h)];
+    const std::complex<double>& to = points[surface.head(next)];
+    const double before = lengths[surface.edge(h)], after = lengths[surface.edge(next)];
+    const double share = before / (before + after);
+    double arc = std::arg(to / from);
+    if (arc < 0) arc += 2 * std::numbers::pi;
+    const double there = std::arg(tip / from) / arc;
+    if (there > kCollapsed * share && 1 - there > kCollapsed * (1 - share)) continue;
+    tip = from * std::polar(1.0, share * arc);
+    ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 Status checkDisk(const Connectivity& surface) {
@@ -57,6 +84,16 @@ Result<DiskMap> centeredDiskMap(Context& context, const Connectivity& surface,
         std::max(map.boundary_deviation, std::abs(std::abs(map.points[v]) - 1));
   }
   map.quality = measurePlaneMap(surface, lengths, map.points);
+  return map;
+}
+
+Result<DiskMap> withTipsReset(Context& context, const Connectivity& surface,
+                              const std::vector<double>& lengths, const std::vector<double>& areas,
+                              DiskMap map) {
+  const Index count = resetFoldedTips(surface, lengths, map.points);
+  if (count == 0) return map;
+  ASSIGN_OR_RETURN(map, centeredDiskMap(context, surface, lengths, areas, map.points));
+  map.reset_tips = count;
   return map;
 }
 

@@ -1,255 +1,201 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
 #include "core/forms/cotan.h"
+#include "core/spherical/delaunay_weights.h"
 #include "core/spherical/disk_finish.h"
 #include "core/spherical/disk_map.h"
-#include "core/spherical/face_frame.h"
-#include "core/spherical/mirror_laplacian.h"
-#include "core/spherical/mobius_map.h"
+#include "core/topology/surface_topology.h"
 
 namespace moduli {
 namespace {
 
-using spherical::MirrorLaplacian;
-using spherical::MirrorSystem;
-using spherical::Parity;
 using Complex = std::complex<double>;
 using PlanePoints = std::vector<Complex>;
 
-/// Each chart reaches past its half of the disk, and six relaxations are enough, as on the sphere:
-/// what the held vertices have wrong comes back as at most 0.2 of itself.
-constexpr double kReach = 1.5;
-constexpr int kRelaxations = 6;
-
-std::vector<double> part(const PlanePoints& z, double (*take)(const Complex&)) {
-  std::vector<double> values(z.size());
-  std::transform(z.begin(), z.end(), values.begin(), take);
-  return values;
-}
-double realPart(const Complex& z) {
-  return z.real();
-}
-double imaginaryPart(const Complex& z) {
-  return z.imag();
-}
-
-PlanePoints joined(const std::vector<double>& u, const std::vector<double>& v) {
-  PlanePoints z(u.size());
-  for (std::size_t i = 0; i < z.size(); ++i) z[i] = {u[i], v[i]};
-  return z;
-}
-
-/// The value that half of the weight lies below.
-double weightedMedian(const std::vector<double>& values, const std::vector<double>& weights) {
-  std::vector<std::pair<double, double>> sorted(values.size());
-  double total = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    sorted[i] = {values[i], weights[i]};
-    total += weights[i];
+/// Functions that are harmonic inside, with given values on the boundary or given sources. One
+/// factorization, any number of solves.
+class DirichletProblem {
+ public:
+  static Result<DirichletProblem> make(Context& context, const spherical::WeightedSurface& metric) {
+    const Connectivity& surface = metric.surface;
+    DirichletProblem problem(surface, metric.weights);
+    std::vector<double> diagonal(problem.inside_.size(), 0.0);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Index e = 0; e < surface.edgeCount(); ++e) {
+      const Index a = problem.row_[surface.tail(surface.halfedge(e))];
+      const Index b = problem.row_[surface.head(surface.halfedge(e))];
+      for (const Index row : {a, b}) {
+        if (row != kNone) diagonal[row] += metric.weights[e];
+      }
+      if (a != kNone && b != kNone && a != b) {
+        entries.emplace_back(std::max(a, b), std::min(a, b), -metric.weights[e]);
+      } else if (a != kNone && a == b) {
+        diagonal[a] -= 2 * metric.weights[e];  // A loop: no difference, no energy.
+      }
+    }
+    const auto count = static_cast<Index>(problem.inside_.size());
+    for (Index row = 0; row < count; ++row) entries.emplace_back(row, row, diagonal[row]);
+    SparseMatrix matrix(count, count);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    ASSIGN_OR_RETURN(SpdSolver solver, SpdSolver::make(context, matrix));
+    problem.solver_.emplace(std::move(solver));
+    return problem;
   }
-  std::sort(sorted.begin(), sorted.end());
-  double sum = 0;
-  for (const auto& [value, weight] : sorted) {
-    sum += weight;
-    if (sum >= total / 2) return value;
+
+  bool hasInside() const { return !inside_.empty(); }
+
+  /// With sources (per vertex) inside and 0 on the boundary. Per vertex.
+  Result<std::vector<double>> fromSources(Context& context,
+                                          const std::vector<double>& sources) const {
+    Eigen::MatrixXd right(static_cast<Eigen::Index>(inside_.size()), 1);
+    for (std::size_t row = 0; row < inside_.size(); ++row) {
+      right(static_cast<Eigen::Index>(row), 0) = sources[inside_[row]];
+    }
+    ASSIGN_OR_RETURN(const Eigen::MatrixXd solution, solver_->solve(context, right));
+    std::vector<double> values(sources.size(), 0.0);
+    for (std::size_t row = 0; row < inside_.size(); ++row) {
+      values[inside_[row]] = solution(static_cast<Eigen::Index>(row), 0);
+    }
+    return values;
   }
-  return sorted.back().first;
-}
 
-/// Stretches the half plane so that the faces are conformal in the mean. The mirror image brings
-/// the same metrics mirrored, so that the mean is diagonal (compare the sphere's linear map).
-void removeMeanDilatation(const Connectivity& surface, const std::vector<FaceFrame>& frames,
-                          PlanePoints& z) {
-  double along = 0, across = 0;
-  for (Index f = 0; f < surface.faceCount(); ++f) {
-    const auto& [a, b, c] = surface.face(f);
-    const FaceFrame& frame = frames[f];
-    const Complex x = (z[b] - z[a]) / frame.base;
-    const Complex y = ((z[c] - z[a]) - frame.x * x) / frame.y;
-    const double determinant = std::abs((std::conj(x) * y).imag());
-    const double uu = (x.imag() * x.imag() + y.imag() * y.imag()) / determinant;
-    const double vv = (x.real() * x.real() + y.real() * y.real()) / determinant;
-    if (!std::isfinite(uu) || !std::isfinite(vv)) continue;
-    along += frame.area() * uu;
-    across += frame.area() * vv;
+  /// Per boundary vertex what flows out there of a function that is 0 on the boundary.
+  std::vector<double> outflow(const std::vector<double>& values) const {
+    std::vector<double> flow(values.size(), 0.0);
+    for (Index e = 0; e < surface_.edgeCount(); ++e) {
+      const Index a = surface_.tail(surface_.halfedge(e)), b = surface_.head(surface_.halfedge(e));
+      if (row_[a] == kNone) flow[a] += weights_[e] * values[b];
+      if (row_[b] == kNone) flow[b] += weights_[e] * values[a];
+    }
+    return flow;
   }
-  if (!(along > 0) || !(across > 0)) return;
-  const double stretch = std::sqrt(std::sqrt(along / across));
-  for (Complex& w : z) w = {w.real() * stretch, w.imag() / stretch};
-}
 
-/// From the half plane to the disk, with half of the area on each side of two geodesics through 0.
-MobiusMap balancedCayley(const PlanePoints& z, const std::vector<double>& areas) {
-  const double middle = weightedMedian(part(z, realPart), areas);
-  std::vector<double> radius(z.size());
-  for (std::size_t i = 0; i < z.size(); ++i) radius[i] = std::abs(z[i] - middle);
-  return halfPlaneToDisk({middle, weightedMedian(radius, areas)});
-}
-
-/// From the disk to the half plane around a point of the circle, which goes to 0; its opposite goes
-/// to infinity, and the geodesic between them to |z| = 1.
-MobiusMap halfPlaneAround(const Complex& pole) {
-  const Complex i(0, 1);
-  // The determinant of (-i, i pole; 1, pole) is -2 i pole.
-  const Complex scale = 1.0 / std::sqrt(-2.0 * i * pole);
-  return {-i * scale, i * pole * scale, scale, pole * scale};
-}
-
-/// A half plane around a point of the circle, in which the vertices near to it move.
-struct HalfChart {
-  MobiusMap map, back;
-  MirrorSystem even, odd;
-
-  Result<PlanePoints> relax(Context& context, PlanePoints points) const {
-    for (Complex& w : points) w = map(w);
-    ASSIGN_OR_RETURN(const std::vector<double> u, even.solve(context, part(points, realPart)));
-    ASSIGN_OR_RETURN(const std::vector<double> v, odd.solve(context, part(points, imaginaryPart)));
-    points = joined(u, v);
-    for (Complex& w : points) w = back(w);
+  /// The harmonic extension of the boundary's points; what they say inside is not looked at.
+  Result<PlanePoints> extend(Context& context, PlanePoints points) const {
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(inside_.size()), 2);
+    for (Index e = 0; e < surface_.edgeCount(); ++e) {
+      const Index a = surface_.tail(surface_.halfedge(e)), b = surface_.head(surface_.halfedge(e));
+      const auto pull = [&](Index row, const Complex& held) {
+        right(row, 0) += weights_[e] * held.real();
+        right(row, 1) += weights_[e] * held.imag();
+      };
+      if (row_[a] != kNone && row_[b] == kNone) pull(row_[a], points[b]);
+      if (row_[b] != kNone && row_[a] == kNone) pull(row_[b], points[a]);
+    }
+    ASSIGN_OR_RETURN(const Eigen::MatrixXd solution, solver_->solve(context, right));
+    for (std::size_t row = 0; row < inside_.size(); ++row) {
+      const auto n = static_cast<Eigen::Index>(row);
+      points[inside_[row]] = {solution(n, 0), solution(n, 1)};
+    }
     return points;
   }
+
+ private:
+  DirichletProblem(const Connectivity& surface, const std::vector<double>& weights)
+      : surface_(surface), weights_(weights), row_(surface.vertexCount(), kNone) {
+    for (Index v = 0; v < surface.vertexCount(); ++v) {
+      if (surface.isBoundaryVertex(v)) continue;
+      row_[v] = static_cast<Index>(inside_.size());
+      inside_.push_back(v);
+    }
+  }
+
+  const Connectivity& surface_;
+  const std::vector<double>& weights_;
+  std::vector<Index> row_;     ///< Per vertex; kNone on the boundary.
+  std::vector<Index> inside_;  ///< Per row its vertex.
+  std::optional<SpdSolver> solver_;
 };
 
 class LinearDiskMap {
  public:
   LinearDiskMap(const Connectivity& surface, const std::vector<double>& lengths)
       : surface_(surface), lengths_(unitLengths(lengths)), areas_(vertexAreas(surface, lengths_)) {
-    const std::vector<double> face_areas = faceAreas(surface, lengths_);
-    for (Index f = 0; f < surface.faceCount(); ++f) {
-      frames_.push_back(frameFromSides(lengths_[surface.edge(3 * f)],
-                                       lengths_[surface.edge(3 * f + 1)],
-                                       lengths_[surface.edge(3 * f + 2)], face_areas[f]));
+    const SurfaceTopology topology = computeTopology(surface);
+    for (const Index h : topology.boundary_loops[0]) {
+      boundary_.push_back(surface.tail(h));
+      boundary_lengths_.push_back(lengths_[surface.edge(h)]);
     }
   }
 
   Result<DiskMap> compute(Context& context) {
-    ASSIGN_OR_RETURN(const MirrorLaplacian laplacian,
-                     MirrorLaplacian::make(context, surface_, lengths_));
-    ASSIGN_OR_RETURN(PlanePoints points, startFromDipole(context, laplacian));
-    RETURN_IF_ERROR(relaxCharts(context, laplacian, std::move(points)));
-    best_->flips = laplacian.flips();
-    return std::move(*best_);
+    ASSIGN_OR_RETURN(const spherical::WeightedSurface metric,
+                     spherical::delaunayWeights(context, surface_, lengths_));
+    ASSIGN_OR_RETURN(const DirichletProblem problem, DirichletProblem::make(context, metric));
+    ASSIGN_OR_RETURN(DiskMap map, compute(context, problem));
+    map.flips = metric.flips;
+    return map;
   }
 
  private:
-  /// Twice with one pair of factorizations: the first map shows where the pole belongs.
-  Result<PlanePoints> startFromDipole(Context& context, const MirrorLaplacian& laplacian) {
-    std::vector<bool> moves(surface_.vertexCount(), true);
-    moves[0] = false;
-    ASSIGN_OR_RETURN(const MirrorSystem even,
-                     MirrorSystem::make(context, laplacian, Parity::kEven, moves));
-    for (Index v = 0; v < surface_.vertexCount(); ++v) moves[v] = !surface_.isBoundaryVertex(v);
-    ASSIGN_OR_RETURN(const MirrorSystem odd,
-                     MirrorSystem::make(context, laplacian, Parity::kOdd, moves));
-    const Index first = bestBoundary(
-        [&](Index h) { return frames_[h / 3].quality() * lengths_[surface_.edge(h)]; });
-    ASSIGN_OR_RETURN(const DiskMap map, mapWithPole(context, even, odd, first));
-    const Index central = bestBoundary([&](Index h) {
-      const double image = std::abs(map.points[surface_.head(h)] - map.points[surface_.tail(h)]);
-      return image / lengths_[surface_.edge(h)] * frames_[h / 3].quality();
-    });
-    ASSIGN_OR_RETURN(DiskMap better, mapWithPole(context, even, odd, central));
-    const Complex pole =
-        better.points[surface_.tail(central)] + better.points[surface_.head(central)];
-    pole_ = std::abs(pole) > 0 ? pole / std::abs(pole) : better.points[surface_.tail(central)];
-    best_ = std::move(better);
-    return best_->points;
-  }
-
-  /// The boundary halfedge with the highest score; the lowest among equals.
-  template <typename Score>
-  Index bestBoundary(const Score& score) const {
-    Index best = kNone;
-    double highest = -1;
-    for (Index e = 0; e < surface_.edgeCount(); ++e) {
-      if (!surface_.isBoundaryEdge(e)) continue;
-      const double value = score(surface_.halfedge(e));
-      if (best == kNone || value > highest) {
-        highest = value;
-        best = surface_.halfedge(e);
-      }
+  Result<DiskMap> compute(Context& context, const DirichletProblem& problem) const {
+    // A surface without inner vertices has no point to see its boundary from: any convex polygon.
+    if (!problem.hasInside()) {
+      const std::vector<double> even(surface_.vertexCount(), 1.0);
+      return finish(context, around(even), 0);
     }
-    return best;
-  }
-
-  /// The half-plane map with a dipole at a boundary edge, in the disk and centred. The sources are
-  /// the gradients of the hat functions on the edge's face and on its mirror image.
-  Result<DiskMap> mapWithPole(Context& context, const MirrorSystem& even, const MirrorSystem& odd,
-                              Index h) const {
-    const double length = lengths_[surface_.edge(h)];
-    const double height = 2 * frames_[h / 3].area() / length;
-    const std::vector<double> zero(surface_.vertexCount(), 0.0);
-    std::vector<double> source = zero;
-    source[surface_.tail(h)] = 0.5 / length;
-    source[surface_.head(h)] = -0.5 / length;
-    ASSIGN_OR_RETURN(const std::vector<double> u, even.solve(context, zero, source));
-    source = zero;
-    source[surface_.tail(Connectivity::previous(h))] = 0.5 / height;
-    ASSIGN_OR_RETURN(const std::vector<double> v, odd.solve(context, zero, source));
-    PlanePoints z = joined(u, v);
-    removeMeanDilatation(surface_, frames_, z);
-    const MobiusMap toDisk = balancedCayley(z, areas_);
-    for (Complex& w : z) w = toDisk(w);
-    return spherical::centeredDiskMap(context, surface_, lengths_, areas_, z);
-  }
-
-  /// Nothing where too few vertices move or are held for anything useful to come of it.
-  Result<std::optional<HalfChart>> makeChart(Context& context, const MirrorLaplacian& laplacian,
-                                             const PlanePoints& points, const Complex& pole) const {
-    const MobiusMap map = halfPlaneAround(pole);
-    std::vector<bool> even_moves(points.size()), odd_moves(points.size());
-    std::size_t inside = 0, held = 0;
+    // Far from the boundary: where a walker takes the longest to leave.
+    ASSIGN_OR_RETURN(const std::vector<double> time, problem.fromSources(context, areas_));
+    const auto farthest = std::max_element(time.begin(), time.end()) - time.begin();
+    ASSIGN_OR_RETURN(const DiskMap first, seenFrom(context, problem, static_cast<Index>(farthest)));
+    // What lies at the centre of the disk sees the boundary as evenly as the map wants it.
+    Index center = kNone;
     for (Index v = 0; v < surface_.vertexCount(); ++v) {
-      even_moves[v] = std::abs(map(points[v])) < kReach;
-      odd_moves[v] = even_moves[v] && !surface_.isBoundaryVertex(v);
-      if (odd_moves[v]) ++inside;
-      if (!even_moves[v]) ++held;
+      if (surface_.isBoundaryVertex(v)) continue;
+      if (center == kNone || std::abs(first.points[v]) < std::abs(first.points[center])) center = v;
     }
-    if (inside < 1 || held < 2) return std::optional<HalfChart>();
-    ASSIGN_OR_RETURN(MirrorSystem even,
-                     MirrorSystem::make(context, laplacian, Parity::kEven, even_moves));
-    ASSIGN_OR_RETURN(MirrorSystem odd,
-                     MirrorSystem::make(context, laplacian, Parity::kOdd, odd_moves));
-    return std::optional<HalfChart>(HalfChart{map, map.inverse(), std::move(even), std::move(odd)});
+    return seenFrom(context, problem, center);
   }
 
-  Status relaxCharts(Context& context, const MirrorLaplacian& laplacian, PlanePoints points) {
-    std::array<std::optional<HalfChart>, 2> charts;
-    for (int side = 0; side < 2; ++side) {
-      ASSIGN_OR_RETURN(charts[side],
-                       makeChart(context, laplacian, points, side == 0 ? pole_ : -pole_));
-      if (!charts[side]) return {};
-    }
-    for (int step = 1; step <= kRelaxations; ++step) {
-      ASSIGN_OR_RETURN(points, charts[(step - 1) % 2]->relax(context, std::move(points)));
-      RETURN_IF_ERROR(consider(context, points, step));
-    }
-    return {};
+  /// The map that carries a vertex to 0: it turns the boundary by the harmonic measure seen from
+  /// there, which is what flows out of a source there.
+  Result<DiskMap> seenFrom(Context& context, const DirichletProblem& problem, Index vertex) const {
+    std::vector<double> source(surface_.vertexCount(), 0.0);
+    source[vertex] = 1;
+    ASSIGN_OR_RETURN(const std::vector<double> green, problem.fromSources(context, source));
+    ASSIGN_OR_RETURN(const PlanePoints points,
+                     problem.extend(context, around(problem.outflow(green))));
+    return finish(context, points, 1);
   }
 
-  /// Centres a candidate and keeps it if it has fewer folds, or as many and less dilatation.
-  Status consider(Context& context, const PlanePoints& points, int step) {
-    Result<DiskMap> map = spherical::centeredDiskMap(context, surface_, lengths_, areas_, points);
-    RETURN_IF_ERROR(context.check());
-    if (!map.ok()) return {};
-    const MapQuality &a = map->quality, &b = best_->quality;
-    if (a.flipped_faces > b.flipped_faces) return {};
-    if (a.flipped_faces == b.flipped_faces && !(a.mean_dilatation < b.mean_dilatation)) return {};
-    best_ = *std::move(map);
-    best_->iterations = step;
-    return {};
+  /// Boundary vertices on the circle. A share is the integral over the two edges at the vertex of a
+  /// function that falls from 1 there to 0: each edge gets of both its ends what its length claims.
+  PlanePoints around(const std::vector<double>& shares) const {
+    const std::size_t count = boundary_.size();
+    std::vector<double> arcs(count);
+    double total = 0;
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::size_t before = (n + count - 1) % count, after = (n + 1) % count;
+      const double length = boundary_lengths_[n];
+      arcs[n] = shares[boundary_[n]] * length / (length + boundary_lengths_[before]) +
+                shares[boundary_[after]] * length / (length + boundary_lengths_[after]);
+      total += arcs[n];
+    }
+    PlanePoints points(surface_.vertexCount());
+    double sum = 0;
+    for (std::size_t n = 0; n < count; ++n) {
+      points[boundary_[n]] = std::polar(1.0, 2 * std::numbers::pi * sum / total);
+      sum += arcs[n];
+    }
+    return points;
+  }
+
+  Result<DiskMap> finish(Context& context, const PlanePoints& points, int iterations) const {
+    ASSIGN_OR_RETURN(DiskMap map,
+                     spherical::centeredDiskMap(context, surface_, lengths_, areas_, points));
+    map.iterations = iterations;
+    return spherical::withTipsReset(context, surface_, lengths_, areas_, std::move(map));
   }
 
   const Connectivity& surface_;
   std::vector<double> lengths_;
   std::vector<double> areas_;
-  std::vector<FaceFrame> frames_;
-  Complex pole_ = 1;
-  std::optional<DiskMap> best_;
+  std::vector<Index> boundary_;           ///< In order, the surface on the left.
+  std::vector<double> boundary_lengths_;  ///< From each of them to the next one.
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "core/base/parallel.h"
+#include "core/base/text.h"
 #include "core/spherical/exterior_map.h"
 
 namespace moduli {
@@ -194,7 +195,7 @@ Status Iteration::run(const KoebeOptions& options) {
   }
   return {Reason::kNoConvergence, "after " + std::to_string(history_.size()) +
                                       " sweeps loops differ from circles by " +
-                                      std::to_string(history_.back()) + " radii of the outer one"};
+                                      shortestDouble(history_.back()) + " radii of the outer one"};
 }
 
 /// Moves the points between the loops by all maps. Per loop how many lay beyond it.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "tests/core/mesh/shapes.h"
 #include "tests/core/spherical/sphere_testing.h"
@@ -100,8 +101,17 @@ TEST(ResampleCurve, FollowsBoundariesInBothDirections) {
   }
   ASSERT_NE(rim, kNone);
   const std::vector<double> lengths = mesh.edgeLengths();
-  EXPECT_OK(resampleCurve(surface, lengths, {surface.tail(rim), surface.head(rim)}, 3));
-  EXPECT_OK(resampleCurve(surface, lengths, {surface.head(rim), surface.tail(rim)}, 3));
+  // Against the rim there is no halfedge that leaves: the one that arrives is walked backwards.
+  for (const auto& [from, to] : {std::pair(surface.tail(rim), surface.head(rim)),
+                                 std::pair(surface.head(rim), surface.tail(rim))}) {
+    const auto points = resampleCurve(surface, lengths, {from, to}, 4);
+    ASSERT_OK(points);
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Vector3d expected =
+          (1 - i / 3.0) * mesh.positions()[from] + i / 3.0 * mesh.positions()[to];
+      EXPECT_LT((positionOf(mesh, (*points)[i]) - expected).norm(), 1e-15);
+    }
+  }
 }
 
 TEST(ResampleCurve, NamesWhatIsNoPath) {
@@ -124,7 +134,7 @@ TEST(ResampleCurve, NamesWhatIsNoPath) {
 TEST(CurveLandmarks, OfASurfaceWithItselfAreWhereTheyAre) {
   const MappedSurface map = surfaces::roundSphere(8, 6);
   const std::vector<double> lengths = map.mesh.edgeLengths();
-  const MetricSurface metric{map.surface(), lengths};
+  const MeasuredSurface metric{map.surface(), lengths};
   const Index goal = surfaces::nearestVertex(map.points, {0, 0, 1});
   const Index other = surfaces::nearestVertex(map.points, {0, 1, 0});
   const std::vector<Index> one = pathBetween(map, 0, goal), two = pathBetween(map, other, goal);

@@ -13,6 +13,9 @@ namespace {
 
 using surfaces::MappedSurface;
 
+/// Enough for fields whose features are 0.3 wide.
+const FieldSearchOptions kQuick = {.rotations = 8192, .samples = 600, .candidates = 6};
+
 /// A surface on the sphere with areas as weights and a field.
 struct Half {
   MappedSurface map;
@@ -103,6 +106,7 @@ TEST(CompareHemispheres, FindsAMirroredCopyInAnyPosition) {
   Context context;
   HemisphereOptions options;
   options.mirror = true;
+  options.search = kQuick;
   const auto result = compareHemispheres(context, half.view(), other.view(), options);
   ASSERT_OK(result);
   EXPECT_NEAR(result->correlation_after, 1, 1e-12);
@@ -119,7 +123,8 @@ TEST(CompareHemispheres, FindsAMirroredCopyInAnyPosition) {
     EXPECT_LT((there - other.map.points[v]).norm(), 1e-10);
   }
   // Without the mirror there is no such rotation.
-  const auto plain = compareHemispheres(context, half.view(), other.view());
+  options.mirror = false;
+  const auto plain = compareHemispheres(context, half.view(), other.view(), options);
   ASSERT_OK(plain);
   EXPECT_LT(plain->correlation_after, 0.99);
 }
@@ -130,6 +135,7 @@ TEST(CompareHemispheres, LandmarksGiveTheSameRotationAsTheField) {
   const Half other = mirrored(half, turn);
   HemisphereOptions options;
   options.mirror = true;
+  options.search = kQuick;
   for (const Index v : {3, 50, 200}) {
     options.landmarks.emplace_back(vertexPoint(half.map.surface(), v),
                                    vertexPoint(other.map.surface(), v));
@@ -144,7 +150,9 @@ TEST(CompareHemispheres, LandmarksGiveTheSameRotationAsTheField) {
 TEST(CompareHemispheres, SeesTheSameSurfaceInAnotherTriangulation) {
   const Half a = lumpyHalf(20, 3), b = lumpyHalf(20, 8);
   Context context;
-  const auto result = compareHemispheres(context, a.view(), b.view());
+  HemisphereOptions options;
+  options.search = kQuick;
+  const auto result = compareHemispheres(context, a.view(), b.view(), options);
   ASSERT_OK(result);
   // Areas of single vertices are noisy on irregular meshes; the shape is not.
   EXPECT_GT(result->correlation_after, 0.97);
@@ -173,8 +181,11 @@ TEST(CompareHemispheres, OfABrainAreMirrorImages) {
   Context context;
   HemisphereOptions options;
   options.mirror = true;
+  options.search = kQuick;
   const auto mirror = compareHemispheres(context, left.view(), right.view(), options);
-  const auto plain = compareHemispheres(context, left.view(), right.view());
+  HemisphereOptions unmirrored;
+  unmirrored.search = kQuick;
+  const auto plain = compareHemispheres(context, left.view(), right.view(), unmirrored);
   ASSERT_OK(mirror);
   ASSERT_OK(plain);
   EXPECT_GT(mirror->correlation_after, 0.9);

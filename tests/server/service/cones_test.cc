@@ -160,9 +160,10 @@ TEST(ParameterizationMessages, ChoicesTravel) {
 }
 
 TEST(ParameterizationMessages, NumbersThatAreNotFiniteStayBehind) {
-  FlatCertificate certificate;
-  certificate.max_dilatation = std::numeric_limits<double>::infinity();
-  certificate.flipped_faces = 3;
+  MapCertificate certificate;
+  certificate.quality.max_dilatation = std::numeric_limits<double>::infinity();
+  certificate.quality.flipped_faces = 3;
+  certificate.newton_iterations = 4;
   certificate.warnings = {"a"};
   v1::ParameterizationCertificate message = toProto(certificate);
   EXPECT_FALSE(message.has_max_dilatation());

@@ -252,6 +252,8 @@ TEST_F(Registration, WhatDoesNotGoTogetherIsAUsageError) {
   EXPECT_THAT(usage({"--reference", "b.off", "--carried", "out.obj"}), HasSubstr("must end in"));
   EXPECT_THAT(usage({"--reference", "b.off", "--landmarks", "a", "--carried", "out.txt"}),
               HasSubstr("--reference-field"));
+  EXPECT_THAT(usage({"--reference", "b.off", "--carried", "c.gii", "-o", "c.gii"}),
+              HasSubstr("the same file"));
   EXPECT_THAT(usage({"-o", "out.gii"}, "disk"), HasSubstr(".gii is for --to sphere"));
 }
 

@@ -1,0 +1,249 @@
+#include "client/cli/map_panels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <utility>
+
+#include "client/cli/output.h"
+#include "core/picture/sheet.h"
+
+namespace moduli::cli {
+namespace {
+
+using Options = v1::ParameterizationOptions;
+using Kind = MapEdge::Kind;
+
+constexpr int kLeastPanel = 64;
+constexpr double kLeastFace = 24;  // Square pixels: sides of some 7 pixels.
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+// With its article.
+std::string placeName(const v1::Parameterization& result) {
+  switch (result.target()) {
+    case Options::SPHERE:
+      return "the sphere";
+    case Options::DISK:
+      return "the disk";
+    case Options::RECTANGLE:
+      return "a rectangle";
+    case Options::CIRCLE_DOMAIN:
+      return result.circles_size() == 2 ? "an annulus" : "a circle domain";
+    default:
+      return "the plane";
+  }
+}
+
+// "mean K 1.012, no folded faces", as far as it is known.
+std::string qualityText(const v1::ParameterizationCertificate& certificate) {
+  std::string text;
+  if (certificate.has_mean_dilatation()) {
+    text = "mean K " + number(certificate.mean_dilatation());
+  }
+  if (certificate.has_flipped_faces()) {
+    if (!text.empty()) text += ", ";
+    const int count = certificate.flipped_faces();
+    text += count == 0 ? "no flipped faces" : counted(count, "flipped face", "flipped faces");
+  }
+  return text;
+}
+
+std::string patternText(Options::Target target) {
+  switch (target) {
+    case Options::SPHERE:
+      return "meridians and parallels of the sphere";
+    case Options::DISK:
+    case Options::CIRCLE_DOMAIN:
+      return "radii and circles of the plane";
+    default:
+      return "squares of the plane";
+  }
+}
+
+// A horizontal ring of the sphere in the plane that the eye sees as its outline.
+std::vector<Segment> outline(const DrawnCircle& circle, bool upright) {
+  constexpr int kParts = 360;
+  const auto at = [&](int i) -> Vec3 {
+    const double angle = 2 * std::numbers::pi * i / kParts;
+    const double x = circle.x + circle.radius * std::cos(angle);
+    const double y = circle.y + circle.radius * std::sin(angle);
+    return upright ? Vec3{0, x, y} : Vec3{x, y, 0};
+  };
+  std::vector<Segment> segments;
+  for (int i = 0; i < kParts; ++i) segments.push_back({at(i), at((i + 1) % kParts)});
+  return segments;
+}
+
+std::vector<Segment> segmentsOf(const MapDrawing& drawing, Kind kind, bool in_space) {
+  std::vector<Segment> segments;
+  for (const MapEdge& edge : drawing.edges) {
+    if (edge.kind != kind) continue;
+    const std::vector<Vec3>& points = in_space ? drawing.surface : drawing.points;
+    const std::array<int, 2>& ends = in_space ? edge.vertices : edge.points;
+    segments.push_back({points[ends[0]], points[ends[1]]});
+  }
+  return segments;
+}
+
+}  // namespace
+
+PanelLayout layOutPanels(const PictureSize& size, int count) {
+  PanelLayout best, bare;
+  int best_side = 0, bare_side = 0;
+  for (int columns = 1; columns <= count; ++columns) {
+    const int rows = (count + columns - 1) / columns;
+    const PanelLayout worded = {
+        columns, (size.width - kSheetMargin * (columns + 1)) / columns,
+        (size.height - kSheetHeading - kSheetMargin - rows * kSheetWords) / rows, true};
+    if (const int side = std::min(worded.width, worded.height); side > best_side) {
+      best_side = side;
+      best = worded;
+    }
+    const PanelLayout plain = {columns, std::max(1, size.width / columns),
+                               std::max(1, size.height / rows), false};
+    if (const int side = std::min(plain.width, plain.height); side > bare_side) {
+      bare_side = side;
+      bare = plain;
+    }
+  }
+  return best_side >= kLeastPanel ? best : bare;
+}
+
+MapPanels::MapPanels(const MapPicture& picture)
+    : drawing_(
+          makeDrawing(*picture.map, picture.in_space ? picture.space : std::span<const double>())),
+      pattern_(drawing_, picture.map->result.target()),
+      name_(safe(picture.name)),
+      place_(placeName(picture.map->result)),
+      target_(picture.map->result.target()),
+      view_(picture.view) {
+  if (!picture.in_space) drawing_.surface.clear();
+  if (!picture.field.empty()) {
+    field_.emplace(
+        extendToVertices(picture.field, 1, picture.map->positions.size() / 3, drawing_.faces));
+  }
+  for (const int f : drawing_.mapped) image_faces_.push_back(drawing_.corners[f]);
+  listPanels(picture);
+  listCircles(picture);
+}
+
+void MapPanels::listPanels(const MapPicture& picture) {
+  const std::string shown = field_ ? safe(picture.field_name) + ", " + number(field_->low()) +
+                                         " to " + number(field_->high())
+                                   : patternText(target_);
+  const std::string quality = qualityText(picture.map->result.certificate());
+  if (!drawing_.surface.empty()) panels_.push_back({PanelKind::kSurface, "Surface", shown});
+  if (drawing_.on_sphere) {
+    panels_.push_back({PanelKind::kFront, "Sphere, front",
+                       quality.empty() ? "from the positive x axis" : quality});
+    panels_.push_back({PanelKind::kBack, "Sphere, back",
+                       drawing_.surface.empty() ? shown : "from the negative x axis"});
+    return;
+  }
+  std::string title = place_.substr(place_.find(' ') + 1);
+  title[0] = static_cast<char>(title[0] - 'a' + 'A');
+  if (picture.map->result.has_modulus()) {
+    title += ", modulus " + number(picture.map->result.modulus());
+  }
+  panels_.push_back({PanelKind::kPlane, title, quality.empty() ? shown : quality});
+}
+
+void MapPanels::listCircles(const MapPicture& picture) {
+  if (target_ == Options::DISK) circles_.push_back({});
+  if (target_ != Options::CIRCLE_DOMAIN) return;
+  for (const v1::PlaneCircle& circle : picture.map->result.circles()) {
+    const bool drawable = std::isfinite(circle.center().re()) &&
+                          std::isfinite(circle.center().im()) && circle.radius() > 0 &&
+                          std::isfinite(circle.radius());
+    if (drawable) circles_.push_back({circle.center().re(), circle.center().im(), circle.radius()});
+  }
+}
+
+std::string MapPanels::heading() const {
+  return name_ + ", mapped to " + place_;
+}
+
+Color MapPanels::colorAt(int face, const Vec3& weights) const {
+  if (!field_ && !drawing_.isMapped(face)) return kUnmappedColor;
+  if (drawing_.folded[face]) return kFoldedColor;
+  if (field_) return field_->at(drawing_.faces[face], weights);
+  const CornerIndices& corners = drawing_.corners[face];
+  Vec3 point{};
+  for (int k = 0; k < 3; ++k) {
+    for (int axis = 0; axis < 3; ++axis) {
+      point[axis] += weights[k] * drawing_.points[corners[k]][axis];
+    }
+  }
+  return pattern_.at(point);
+}
+
+RenderOptions MapPanels::look(PanelKind kind, int width, int height) const {
+  RenderOptions options;
+  if (kind == PanelKind::kPlane) {
+    options = planeView(width, height);
+  } else if (kind == PanelKind::kSurface) {
+    options.view_from = view_.towards_eye;
+    options.up = view_.up;
+  } else {
+    options.view_from = {kind == PanelKind::kFront ? 1.0 : -1.0, 0, 0};
+    options.up = {0, 0, 1};
+  }
+  options.width = width;
+  options.height = height;
+  // Less where samples would be too many to be worth their time.
+  const double pixels = double(width) * height;
+  options.supersampling = pixels < 5e5 ? 4 : pixels < 2e6 ? 3 : pixels < 3.2e7 ? 2 : 1;
+  return options;
+}
+
+bool MapPanels::showsEdges(double scale) const {
+  const double area = drawing_.on_sphere ? 2 * std::numbers::pi : drawing_.image_area;
+  const double shown = static_cast<double>(drawing_.mapped.size()) / (drawing_.on_sphere ? 2 : 1);
+  return shown > 0 && area / shown * scale * scale >= kLeastFace;
+}
+
+Scene MapPanels::scene(PanelKind kind, const RenderOptions& look, double pixel) const {
+  return kind == PanelKind::kSurface ? surfaceScene(pixel) : imageScene(kind, look, pixel);
+}
+
+Scene MapPanels::surfaceScene(double pixel) const {
+  Scene scene;
+  scene.points = drawing_.surface;
+  scene.faces = drawing_.faces;
+  scene.paint = [this](int face, const Vec3& weights) { return colorAt(face, weights); };
+  scene.lines.push_back(
+      {segmentsOf(drawing_, Kind::kBoundary, true), kBoundaryColor, kBoundaryWidth * pixel});
+  scene.lines.push_back({segmentsOf(drawing_, Kind::kSeam, true), kSeamColor, kSeamWidth * pixel});
+  return scene;
+}
+
+Scene MapPanels::imageScene(PanelKind kind, const RenderOptions& look, double pixel) const {
+  Scene scene;
+  scene.points = drawing_.points;
+  scene.faces = image_faces_;
+  scene.paint = [this](int face, const Vec3& weights) {
+    return colorAt(drawing_.mapped[face], weights);
+  };
+  if (kind != PanelKind::kPlane) {
+    scene.lines.push_back({outline({}, true), kCircleColor, kCircleWidth * pixel});
+  }
+  for (const DrawnCircle& circle : circles_) {
+    scene.lines.push_back({outline(circle, false), kCircleColor, kCircleWidth * pixel});
+  }
+  if (showsEdges(Projection(scene, look).scale() / pixel)) {
+    scene.lines.push_back(
+        {segmentsOf(drawing_, Kind::kInner, false), kEdgeColor, kEdgeWidth * pixel});
+  }
+  scene.lines.push_back(
+      {segmentsOf(drawing_, Kind::kBoundary, false), kBoundaryColor, kBoundaryWidth * pixel});
+  scene.lines.push_back({segmentsOf(drawing_, Kind::kSeam, false), kSeamColor, kSeamWidth * pixel});
+  return scene;
+}
+
+}  // namespace moduli::cli

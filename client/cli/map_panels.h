@@ -1,0 +1,91 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/cli/map_drawing.h"
+#include "client/cli/map_pattern.h"
+#include "client/cli/map_picture.h"
+#include "core/picture/render.h"
+
+/// The parts of a map's picture, whatever file they go to.
+namespace moduli::cli {
+
+inline constexpr Color kEdgeColor = {72, 80, 94};
+inline constexpr Color kBoundaryColor = {34, 40, 52};
+inline constexpr Color kCircleColor = {150, 158, 170};
+inline constexpr Color kSeamColor = {217, 115, 26};
+inline constexpr double kEdgeWidth = 0.5, kBoundaryWidth = 1.4, kCircleWidth = 1.2,
+                        kSeamWidth = 1.6;
+
+/// Where the panels of a picture are, in pixels.
+struct PanelLayout {
+  int columns = 1;
+  int width = 1, height = 1;  ///< Of a panel.
+  bool words = true;          ///< As on a contact sheet; otherwise panels alone, without margins.
+};
+
+/// The layout with the largest panels. count: at least 1.
+PanelLayout layOutPanels(const PictureSize& size, int count);
+
+enum class PanelKind : std::uint8_t {
+  kSurface,
+  kPlane,
+  kFront,  ///< The sphere from the positive first axis, the third one up.
+  kBack,   ///< From the negative one.
+};
+
+struct Panel {
+  PanelKind kind = PanelKind::kSurface;
+  std::string title, subtitle;
+};
+
+struct DrawnCircle {
+  double x = 0, y = 0, radius = 1;
+};
+
+/// A map ready to be drawn.
+class MapPanels {
+ public:
+  explicit MapPanels(const MapPicture& picture);
+
+  const MapDrawing& drawing() const { return drawing_; }
+  const std::vector<Panel>& panels() const { return panels_; }
+  /// "NAME, mapped to the sphere".
+  std::string heading() const;
+
+  const Pattern& pattern() const { return pattern_; }
+  bool hasField() const { return field_.has_value(); }
+  /// The colour of a point of a face.
+  Color colorAt(int face, const Vec3& weights) const;
+
+  /// How a panel is seen.
+  RenderOptions look(PanelKind kind, int width, int height) const;
+  /// What is seen there. Valid while this object is. Lines that would be hidden are among the
+  /// scene's. pixel: what counts as one for the width of lines, in pixels of the picture.
+  Scene scene(PanelKind kind, const RenderOptions& look, double pixel) const;
+
+  /// True where edges leave room between them at this scale (pixels per unit of length).
+  bool showsEdges(double scale) const;
+  /// The circles of the boundary, of the plane.
+  const std::vector<DrawnCircle>& circles() const { return circles_; }
+
+ private:
+  void listPanels(const MapPicture& picture);
+  void listCircles(const MapPicture& picture);
+  Scene imageScene(PanelKind kind, const RenderOptions& look, double pixel) const;
+  Scene surfaceScene(double pixel) const;
+
+  MapDrawing drawing_;
+  Pattern pattern_;
+  std::optional<FieldColors> field_;
+  std::vector<CornerIndices> image_faces_;  ///< The corners of `mapped`.
+  std::vector<Panel> panels_;
+  std::vector<DrawnCircle> circles_;
+  std::string name_, place_;
+  v1::ParameterizationOptions::Target target_;
+  PictureView view_;
+};
+
+}  // namespace moduli::cli
