@@ -50,8 +50,8 @@ Result<MeshArgument> MeshArgument::open(const Session& session, const std::strin
   return mesh;
 }
 
-Result<v1::MeshSource> MeshArgument::source(Client& client) const {
-  if (bytes_) return client.sendMesh(*bytes_, name_, format_);
+Result<v1::MeshSource> MeshArgument::source(Client& client, std::uint64_t inline_limit) const {
+  if (bytes_) return client.sendMesh(*bytes_, name_, format_, inline_limit);
   v1::MeshSource source;
   source.set_shape(resource_);
   return source;
@@ -59,6 +59,19 @@ Result<v1::MeshSource> MeshArgument::source(Client& client) const {
 
 Result<std::string> MeshArgument::content() const {
   return bytes_->read(0, bytes_->size());
+}
+
+Result<std::string> MeshArgument::content(Client& client) const {
+  if (bytes_) return content();
+  std::string bytes;
+  RETURN_IF_ERROR(client
+                      .download(resource_,
+                                [&bytes](std::string_view piece) {
+                                  bytes += piece;
+                                  return Status();
+                                })
+                      .status());
+  return bytes;
 }
 
 v1::MeshSource::Format protoFormat(const std::string& name) {

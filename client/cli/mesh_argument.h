@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -25,11 +26,15 @@ class MeshArgument {
   /// As the user knows it, for messages.
   const std::string& name() const { return name_; }
 
-  /// As a source for requests; sends the mesh where it has to be sent.
-  Result<v1::MeshSource> source(Client& client) const;
+  /// As a source for requests; sends the mesh where it has to be sent, within the request up to
+  /// `inline_limit` bytes.
+  Result<v1::MeshSource> source(Client& client,
+                                std::uint64_t inline_limit = Client::kInlineLimit) const;
 
   /// The whole file that was given; not for a stored one.
   Result<std::string> content() const;
+  /// The whole file, also a stored one. Fails as Client::download does.
+  Result<std::string> content(Client& client) const;
 
   /// The resource name of a stored one.
   const std::string& resource() const { return resource_; }

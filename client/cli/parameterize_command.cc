@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -7,9 +8,11 @@
 
 #include "client/cli/command.h"
 #include "client/cli/file_writer.h"
+#include "client/cli/gifti_output.h"
 #include "client/cli/mesh_argument.h"
 #include "client/cli/parameterize_picture.h"
 #include "client/cli/prepare_arguments.h"
+#include "client/cli/registration.h"
 #include "client/cli/report.h"
 #include "client/cli/session.h"
 #include "client/cli/side_file.h"
@@ -164,11 +167,64 @@ Result<Options> optionsOf(const Arguments& arguments) {
   return options;
 }
 
-Status writeResult(FileWriter& writer, const ParameterizedMesh& mesh) {
-  RETURN_IF_ERROR(
-      writeTexturedObj(mesh, [&](std::string_view text) { return writer.write(text); }));
-  return writer.commit();
-}
+/// The files that a run writes.
+class Outputs {
+ public:
+  explicit Outputs(const Arguments& arguments)
+      : output_(arguments.text("output")),
+        carried_(arguments.text("carried")),
+        carried_name_(arguments.text("reference-field", "area distortion")),
+        output_writer_(output_, true),
+        carried_writer_(carried_, true),
+        picture_writer_(arguments.text("picture"), true),
+        arguments_(arguments) {
+    carried_name_.erase(0, carried_name_.rfind('/') + 1);
+  }
+
+  bool wanted() const { return !output_.empty() || !carried_.empty() || draws(); }
+
+  /// Before the work, so that a place where nothing can be written is told in time.
+  Status open() {
+    if (!output_.empty()) RETURN_IF_ERROR(output_writer_.open());
+    if (!carried_.empty()) RETURN_IF_ERROR(carried_writer_.open());
+    if (draws()) RETURN_IF_ERROR(picture_writer_.open());
+    return {};
+  }
+
+  Status write(const ParameterizedMesh& mesh, const MeshArgument& input, Client& client) {
+    GiftiTags tags;
+    if (isGiftiFileName(output_) || isGiftiFileName(carried_)) {
+      ASSIGN_OR_RETURN(const std::string bytes, input.content(client));
+      tags = tagsOf(bytes, input.name());
+    }
+    if (!carried_.empty()) {
+      ASSIGN_OR_RETURN(const std::string bytes,
+                       valuesFile(mesh.carried, carried_name_, tags, carried_));
+      RETURN_IF_ERROR(carried_writer_.write(bytes));
+    }
+    if (isGiftiFileName(output_)) {
+      ASSIGN_OR_RETURN(const std::string bytes, sphereGifti(mesh, std::move(tags), output_));
+      RETURN_IF_ERROR(output_writer_.write(bytes));
+    } else if (!output_.empty()) {
+      RETURN_IF_ERROR(writeTexturedObj(
+          mesh, [this](std::string_view text) { return output_writer_.write(text); }));
+    }
+    if (draws()) {
+      ASSIGN_OR_RETURN(const std::string bytes, pictureOf(client, arguments_, input, mesh));
+      RETURN_IF_ERROR(picture_writer_.write(bytes));
+      RETURN_IF_ERROR(picture_writer_.commit());
+    }
+    if (!carried_.empty()) RETURN_IF_ERROR(carried_writer_.commit());
+    return output_.empty() ? Status() : output_writer_.commit();
+  }
+
+ private:
+  bool draws() const { return arguments_.has("picture"); }
+
+  std::string output_, carried_, carried_name_;
+  FileWriter output_writer_, carried_writer_, picture_writer_;
+  const Arguments& arguments_;
+};
 
 std::string writtenLine(const std::string& path, const ParameterizedMesh& mesh) {
   const auto count = [](std::size_t numbers, std::size_t columns) {
@@ -183,31 +239,37 @@ Status runParameterize(Session& session, const Arguments& arguments) {
   v1::ParameterizeRequest request;
   ASSIGN_OR_RETURN(*request.mutable_options(), optionsOf(arguments));
   *request.mutable_prepare() = prepareOf(arguments);
-  const bool draws = arguments.has("picture");
-  request.set_omit_arrays(!arguments.has("output") && !draws);
+  Outputs outputs(arguments);
+  request.set_omit_arrays(!outputs.wanted());
+  ASSIGN_OR_RETURN(const RegistrationFiles registration,
+                   RegistrationFiles::open(session, arguments));
   ASSIGN_OR_RETURN(const MeshArgument mesh,
                    MeshArgument::open(session, arguments.text("MESH"), arguments.text("format")));
-  const std::string output = arguments.text("output");
-  FileWriter writer(output, true);
-  FileWriter picture(arguments.text("picture"), true);
-  // Now, so that a place where nothing can be written is told before the work.
-  if (arguments.has("output")) RETURN_IF_ERROR(writer.open());
-  if (draws) RETURN_IF_ERROR(picture.open());
-  ASSIGN_OR_RETURN(Client* const client, session.client(mesh.need()));
-  Result<v1::MeshSource> source = mesh.source(*client);
-  if (!source.ok()) return session.explain(mesh.name(), source.status());
+  RETURN_IF_ERROR(outputs.open());
+  ASSIGN_OR_RETURN(Client* const client,
+                   session.client(std::max(mesh.need(), registration.need())));
+  const auto explained = [&](const Status& status) {
+    return session.explain(registration.subjectOf(status, mesh.name()), status);
+  };
+  Result<v1::MeshSource> source = mesh.source(*client, registration.inlineLimit());
+  if (!source.ok()) return explained(source.status());
   *request.mutable_source() = *std::move(source);
-  const Result<ParameterizedMesh> result = client->parameterize(request);
-  if (!result.ok()) return session.explain(mesh.name(), result.status());
-  if (arguments.has("output")) RETURN_IF_ERROR(writeResult(writer, *result));
-  if (draws) {
-    ASSIGN_OR_RETURN(const std::string bytes, pictureOf(*client, arguments, mesh, *result));
-    RETURN_IF_ERROR(picture.write(bytes));
-    RETURN_IF_ERROR(picture.commit());
+  if (registration.wanted()) {
+    Result<v1::SphereRegistration> message = registration.message(*client);
+    if (!message.ok()) return explained(message.status());
+    *request.mutable_options()->mutable_registration() = *std::move(message);
   }
+  const Result<ParameterizedMesh> result = client->parameterize(request);
+  if (!result.ok()) return explained(result.status());
+  // Servers pass over what they do not know.
+  if (registration.wanted() && !result->result.has_registration()) {
+    return explained({Reason::kServerTooOld, "the server knows no registration"});
+  }
+  RETURN_IF_ERROR(outputs.write(*result, mesh, *client));
   if (session.json()) return session.printJson(result->result);
   if (session.quiet()) return {};
-  const std::string written = arguments.has("output") ? writtenLine(output, *result) : "";
+  const std::string written =
+      arguments.has("output") ? writtenLine(arguments.text("output"), *result) : "";
   return session.print(parameterizationReport(mesh.name(), result->result) + written);
 }
 
@@ -229,13 +291,20 @@ std::optional<std::string> checkParameterize(const Arguments& arguments) {
                      : "--corners are those of --to rectangle";
   }
   if (const auto wrong = checkPicture(arguments)) return wrong;
+  if (auto complaint = checkRegistrationArguments(arguments)) return complaint;
   if (!arguments.has("output")) return std::nullopt;
   const std::string output = arguments.text("output");
   const std::size_t dot = output.rfind('.');
   const std::string extension = dot == std::string::npos ? "" : spelled(output.substr(dot));
   if (extension == ".obj") return std::nullopt;
+  if (isGiftiFileName(output)) {
+    if (arguments.text("to") == "sphere") return std::nullopt;
+    return "GIFTI holds no texture points: .gii is for --to sphere, --output must end in .obj, not "
+           "'" +
+           output + "'";
+  }
   return "the result is written as OBJ, which holds the map as texture points: --output must end "
-         "in .obj, not '" +
+         "in .obj (with --to sphere also .gii or .gii.gz), not '" +
          output + "'";
 }
 
@@ -248,7 +317,9 @@ std::vector<OptionSpec> parameterizeOptions() {
        .required = true},
       {.names = "-o,--output",
        .value = "OUT.obj",
-       .help = "Write the surface with its map; without it the certificate is printed alone",
+       .help = "Write the surface with its map; without it the certificate is printed alone. With "
+               "--to sphere also OUT.gii or OUT.gii.gz: a GIFTI surface of radius 1 with the tags "
+               "of a GIFTI input",
        .completion = Completion::kFile},
       {.names = "--method",
        .value = "METHOD",
@@ -289,6 +360,7 @@ std::vector<OptionSpec> parameterizeOptions() {
        .choices = {"newton", "flow"}},
       initialDelaunayOption()};
   for (OptionSpec& option : pictureOptions()) options.push_back(std::move(option));
+  for (OptionSpec& option : registrationOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
   options.push_back(formatOption());
   return options;
@@ -315,7 +387,11 @@ std::vector<CommandSpec> parameterizeCommands() {
            "components, "
            "and what --repair drops, are written without. Where a face has to be cut, its pieces "
            "stand in its place and new vertices follow the input's. The certificate tells how near "
-           "the map is to what was asked for, and how far it is from keeping angles.",
+           "the map is to what was asked for, and how far it is from keeping angles. With "
+           "--reference "
+           "the sphere is laid onto that of another surface, such as one hemisphere of a brain "
+           "onto the other: by landmarks that have to meet, by the rotation under which two fields "
+           "are most alike, or, without either, by how much the maps change areas.",
        .arguments = {{.name = "MESH",
                       .help =
                           "A file, '-' for standard input, or COLLECTION/SHAPE of the store; an "
@@ -325,6 +401,8 @@ std::vector<CommandSpec> parameterizeCommands() {
        .check = checkParameterize,
        .run = runParameterize,
        .examples = "moduli parameterize bunny.obj --to sphere -o sphere.obj --picture sphere.png\n"
+                   "moduli parameterize lh.pial --to sphere --reference rh.pial --mirror --field "
+                   "lh.sulc --reference-field rh.sulc -o lh.sphere.gii\n"
                    "moduli parameterize face.obj --to disk --mobius 1,0.3i,-0.3i,1 -o disk.obj\n"
                    "moduli parameterize face.obj --to rectangle --corners 0,40,80,120 --json\n"
                    "moduli parameterize plate.obj --to circle-domain -o circles.obj\n"

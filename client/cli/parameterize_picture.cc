@@ -6,43 +6,34 @@
 #include <vector>
 
 #include "client/cli/map_picture.h"
+#include "client/cpp/mesh_bytes.h"
 #include "core/base/context.h"
 #include "core/mesh/format.h"
 #include "core/mesh/read.h"
+#include "core/mesh/vertex_data.h"
 
 namespace moduli::cli {
 namespace {
 
-struct MeshText {
-  std::string bytes, name;
-};
-
-Result<MeshText> textOf(Client& client, const MeshArgument& mesh) {
-  MeshText text;
-  text.name = mesh.name();
-  if (!mesh.stored()) {
-    ASSIGN_OR_RETURN(text.bytes, mesh.content());
-    return text;
-  }
-  const auto header = client.download(mesh.resource(), [&](std::string_view piece) {
-    text.bytes.append(piece);
-    return Status();
-  });
-  RETURN_IF_ERROR(header.status());
-  text.name = header->file_name;
-  return text;
+/// One value a vertex, of the file that --field names.
+Result<std::vector<double>> fieldOf(const std::string& path, std::size_t vertices) {
+  ASSIGN_OR_RETURN(const MeshBytes file, MeshBytes::ofFile(path));
+  ASSIGN_OR_RETURN(const std::string bytes, file.read(0, file.size()));
+  Context context;
+  ASSIGN_OR_RETURN(VertexData data, readVertexData(context, bytes, path, vertices));
+  return std::move(data.values);
 }
 
 /// x y z of every vertex of a mesh; nothing for an intrinsic triangulation.
 Result<std::optional<std::vector<double>>> placeInSpace(Client& client, const MeshArgument& mesh) {
-  ASSIGN_OR_RETURN(const MeshText text, textOf(client, mesh));
-  if (detectFormat(text.bytes, text.name) == MeshFormat::kJson) {
+  ASSIGN_OR_RETURN(const std::string bytes, mesh.content(client));
+  if (detectFormat(bytes, mesh.name()) == MeshFormat::kJson) {
     return std::optional<std::vector<double>>();
   }
   Context context;
   ReadOptions options;
-  options.name = text.name;
-  ASSIGN_OR_RETURN(const TriangleSoup soup, readMesh(context, text.bytes, options));
+  options.name = mesh.name();
+  ASSIGN_OR_RETURN(const TriangleSoup soup, readMesh(context, bytes, options));
   std::vector<double> places;
   places.reserve(3 * soup.vertices.size());
   for (const Eigen::Vector3d& p : soup.vertices) places.insert(places.end(), {p.x(), p.y(), p.z()});
@@ -94,6 +85,12 @@ Result<std::string> pictureOf(Client& client, const Arguments& arguments, const 
   }
   ASSIGN_OR_RETURN(const std::optional<std::vector<double>> space, placeInSpace(client, mesh));
   picture.in_space = space.has_value();
+  std::vector<double> field;
+  if (space && arguments.has("field")) {
+    ASSIGN_OR_RETURN(field, fieldOf(arguments.text("field"), space->size() / 3));
+    picture.field = field;
+    picture.field_name = std::filesystem::path(arguments.text("field")).filename().string();
+  }
   if (space && map.result.target() == v1::ParameterizationOptions::SPHERE) picture.space = *space;
   return drawMap(picture);
 }

@@ -210,6 +210,29 @@ std::string domainLines(const v1::Parameterization& result) {
   return text;
 }
 
+std::string registrationLines(const v1::RegistrationResult& registration) {
+  using Registration = v1::RegistrationResult;
+  std::vector<std::string> parts;
+  if (registration.landmarks() > 0) {
+    parts.push_back(counted(registration.landmarks(), "landmark", "landmarks") + " met up to " +
+                    brief(registration.landmark_distance()));
+  } else {
+    parts.emplace_back("by a rotation");
+  }
+  if (registration.has_mean_beltrami()) {
+    parts.push_back("|mu| " + brief(registration.mean_beltrami()) + " on average");
+    parts.push_back(brief(registration.max_beltrami()) + " at most");
+  }
+  if (registration.reference_is_sphere()) parts.emplace_back("onto the reference's own sphere");
+  std::string text = joinedLine("registration", parts);
+  if (registration.field() == Registration::FIELD_UNSPECIFIED) return text;
+  return text + joinedLine(registration.field() == Registration::GIVEN ? "fields" : "area change",
+                           {"correlation " + brief(registration.correlation_before()) +
+                                " before and " + brief(registration.correlation_after()) + " after",
+                            "difference " + brief(registration.mean_absolute_difference()) +
+                                " on average"});
+}
+
 std::string timeLine(const google::protobuf::Map<std::string, double>& timing) {
   double seconds = 0;
   for (const auto& [stage, time] : timing) seconds += time;
@@ -255,6 +278,7 @@ std::string parameterizationReport(const std::string& title, const v1::Parameter
   return safe(title) + "\n" +
          line("target", v1::ParameterizationOptions::Target_Name(result.target())) +
          domainLines(result) + metricLine(certificate) +
+         (result.has_registration() ? registrationLines(result.registration()) : "") +
          joinedLine("quality", mapParts(certificate)) + warningLines(certificate.warnings()) +
          timeLine(result.timing());
 }

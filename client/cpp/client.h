@@ -55,12 +55,15 @@ class Client {
 
   Result<v1::ServerInfo> serverInfo();
 
-  /// Makes a mesh known to the server: within the request up to 4 MiB, by an upload above. An
-  /// upload that breaks is resumed; one that is there already is not sent again.
-  /// name: for messages and its extension.
+  static constexpr std::uint64_t kInlineLimit = 4ULL << 20;
+
+  /// Makes a mesh, or any file, known to the server: within the request up to `inline_limit` bytes
+  /// (4 MiB; requests have 8 MiB in all), by an upload above. An upload that breaks is resumed; one
+  /// that is there already is not sent again. name: for messages and its extension.
   Result<v1::MeshSource> sendMesh(
       const MeshBytes& bytes, const std::string& name,
-      v1::MeshSource::Format format = v1::MeshSource::FORMAT_UNSPECIFIED);
+      v1::MeshSource::Format format = v1::MeshSource::FORMAT_UNSPECIFIED,
+      std::uint64_t inline_limit = kInlineLimit);
 
   Result<v1::Inspection> inspect(const v1::InspectMeshRequest& request);
   Result<v1::Signature> computeSignature(const v1::ComputeSignatureRequest& request);

@@ -48,7 +48,8 @@ struct Client::Impl {
 
   /// bytes as a source: inline where small, uploaded under `digest` where not.
   Result<v1::MeshSource> source(const MeshBytes& bytes, const std::string& digest,
-                                const std::string& name, v1::MeshSource::Format format);
+                                const std::string& name, v1::MeshSource::Format format,
+                                std::uint64_t inline_limit = kInlineLimit);
 
   CallRunner runner;
   std::unique_ptr<v1::GeometryService::Stub> geometry;

@@ -19,10 +19,12 @@ struct ArrayKind {
   std::int32_t columns;
   std::size_t number_size;
 };
-constexpr std::array<ArrayKind, 4> kKinds = {{{"POSITIONS", 3, sizeof(double)},
+constexpr std::array<ArrayKind, 5> kKinds = {{{"POSITIONS", 3, sizeof(double)},
                                               {"FACES", 3, sizeof(std::int32_t)},
                                               {"POINTS", 2, sizeof(double)},
-                                              {"CORNERS", 3, sizeof(std::int32_t)}}};
+                                              {"CORNERS", 3, sizeof(std::int32_t)},
+                                              {"CARRIED", 1, sizeof(double)}}};
+constexpr std::size_t kCarried = 4;  // The one that may be missing.
 
 // In bytes; at most 2^31 x 3 x 8.
 std::uint64_t sizeOf(const ArrayKind& kind, std::int32_t rows) {
@@ -47,6 +49,10 @@ bool inRange(const std::vector<std::int32_t>& indices, std::int32_t lowest, std:
                      [=](std::int32_t index) { return index >= lowest && index < end; });
 }
 
+bool areFinite(const std::vector<double>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+}
+
 // Each face has three points or none.
 bool isWhole(const std::vector<std::int32_t>& corners) {
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
@@ -59,7 +65,7 @@ bool isWhole(const std::vector<std::int32_t>& corners) {
 }  // namespace
 
 Status ArrayAssembler::take(const v1::ArrayChunk& chunk) {
-  if (chunk.array() < v1::ArrayChunk::POSITIONS || chunk.array() > v1::ArrayChunk::CORNERS) {
+  if (chunk.array() < v1::ArrayChunk::POSITIONS || chunk.array() > v1::ArrayChunk::CARRIED) {
     return broken(std::to_string(chunk.array()), "is none that this client knows");
   }
   const auto which = static_cast<std::size_t>(chunk.array() - v1::ArrayChunk::POSITIONS);
@@ -91,8 +97,11 @@ Status ArrayAssembler::take(const v1::ArrayChunk& chunk) {
     case v1::ArrayChunk::POINTS:
       append(chunk.data(), mesh_.points);
       break;
-    default:
+    case v1::ArrayChunk::CORNERS:
       append(chunk.data(), mesh_.corners);
+      break;
+    default:
+      append(chunk.data(), mesh_.carried);
   }
   return {};
 }
@@ -100,6 +109,7 @@ Status ArrayAssembler::take(const v1::ArrayChunk& chunk) {
 Result<ParameterizedMesh> ArrayAssembler::finish() {
   for (std::size_t i = 0; i < kArrays; ++i) {
     const State& state = states_[i];
+    if (state.rows < 0 && i == kCarried) continue;
     if (state.rows < 0) return broken(kKinds[i].name, "is missing");
     const std::uint64_t whole = sizeOf(kKinds[i], state.rows);
     if (state.received != whole) {
@@ -120,10 +130,11 @@ Result<ParameterizedMesh> ArrayAssembler::finish() {
     return broken("CORNERS", "names a point that is not there");
   }
   if (!isWhole(mesh_.corners)) return broken("CORNERS", "maps a face in part");
-  if (!std::all_of(mesh_.points.begin(), mesh_.points.end(),
-                   [](double x) { return std::isfinite(x); })) {
-    return broken("POINTS", "has a number that is not finite");
+  if (rows(v1::ArrayChunk::CARRIED) > rows(v1::ArrayChunk::POSITIONS)) {
+    return broken("CARRIED", "has more rows than there are vertices");
   }
+  if (!areFinite(mesh_.points)) return broken("POINTS", "has a number that is not finite");
+  if (!areFinite(mesh_.carried)) return broken("CARRIED", "has a number that is not finite");
   return std::move(mesh_);
 }
 

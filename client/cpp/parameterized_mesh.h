@@ -18,6 +18,8 @@ struct ParameterizedMesh {
   std::vector<std::int32_t> faces;    ///< Three vertices of every face, counted from 0.
   std::vector<double> points;         ///< u v of every point of the plane.
   std::vector<std::int32_t> corners;  ///< Three points of every face; -1 where it is not mapped.
+  /// Per vertex of the input the field of the reference; empty where there is none.
+  std::vector<double> carried;
 };
 
 /// Puts the arrays of a parameterization together from their chunks. Trusts no server: shapes,
@@ -28,9 +30,9 @@ class ArrayAssembler {
   /// Fails with kInternal, naming the array, on a chunk that does not fit those before it.
   Status take(const v1::ArrayChunk& chunk);
 
-  /// The arrays, without their result. Fails with kInternal where one is missing or incomplete,
-  /// where the shapes do not fit each other, on an index out of range, a face that is mapped in
-  /// part, and a point that is not finite.
+  /// The arrays, without their result. Fails with kInternal where one is missing (CARRIED may be)
+  /// or incomplete, where the shapes do not fit each other, on an index out of range, a face that
+  /// is mapped in part, and a point or a carried value that is not finite.
   Result<ParameterizedMesh> finish();
 
  private:
@@ -39,7 +41,7 @@ class ArrayAssembler {
     std::int32_t rows = -1;  ///< -1: nothing has come yet.
     std::uint64_t received = 0;
   };
-  static constexpr std::size_t kArrays = 4;
+  static constexpr std::size_t kArrays = 5;
 
   std::array<State, kArrays> states_;
   ParameterizedMesh mesh_;

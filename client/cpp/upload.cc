@@ -5,7 +5,6 @@
 namespace moduli {
 namespace {
 
-constexpr std::uint64_t kInlineLimit = 4ULL << 20;
 constexpr std::uint64_t kChunk = 1ULL << 20;
 
 bool mayResume(const grpc::Status& failure) {
@@ -74,12 +73,12 @@ Status Client::Impl::upload(const MeshBytes& bytes, const std::string& digest) {
 }
 
 Result<v1::MeshSource> Client::Impl::source(const MeshBytes& bytes, const std::string& digest,
-                                            const std::string& name,
-                                            v1::MeshSource::Format format) {
+                                            const std::string& name, v1::MeshSource::Format format,
+                                            std::uint64_t inline_limit) {
   v1::MeshSource source;
   source.set_format(format);
   source.set_file_name(printable(name, 1024));
-  if (bytes.size() <= kInlineLimit) {
+  if (bytes.size() <= std::min(inline_limit, kInlineLimit)) {
     ASSIGN_OR_RETURN(*source.mutable_inline_(),
                      bytes.read(0, static_cast<std::size_t>(bytes.size())));
     return source;
@@ -94,8 +93,8 @@ Result<v1::MeshSource> Client::Impl::source(const MeshBytes& bytes, const std::s
 }
 
 Result<v1::MeshSource> Client::sendMesh(const MeshBytes& bytes, const std::string& name,
-                                        v1::MeshSource::Format format) {
-  return impl_->source(bytes, "", name, format);
+                                        v1::MeshSource::Format format, std::uint64_t inline_limit) {
+  return impl_->source(bytes, "", name, format, inline_limit);
 }
 
 }  // namespace moduli

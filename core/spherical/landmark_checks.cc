@@ -15,11 +15,10 @@ constexpr double kSame = 1e-9;
 constexpr double kMeeting = 1e-3;
 constexpr int kSamples = 32;
 
-std::string nameOf(std::size_t i) {
-  return "landmark " + std::to_string(i);
-}
-
-std::string nameOf(std::size_t i, std::size_t j) {
+std::string namesOf(const std::vector<Landmark>& landmarks, std::size_t i, std::size_t j) {
+  if (!landmarks[i].name.empty() && !landmarks[j].name.empty()) {
+    return landmarks[i].name + " and " + landmarks[j].name;
+  }
   return "landmarks " + std::to_string(i) + " and " + std::to_string(j);
 }
 
@@ -57,37 +56,44 @@ double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return 2 * std::atan2((a - b).norm(), (a + b).norm());
 }
 
+std::string landmarkName(const std::vector<Landmark>& landmarks, std::size_t i) {
+  return landmarks[i].name.empty() ? "landmark " + std::to_string(i) : landmarks[i].name;
+}
+
 Status checkLandmarks(const Connectivity& surface, const Points3& points,
                       const std::vector<Landmark>& landmarks) {
   Points3 starts;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    RETURN_IF_ERROR(checkSurfacePoint(surface, landmarks[i].point, nameOf(i)));
+    RETURN_IF_ERROR(checkSurfacePoint(surface, landmarks[i].point, landmarkName(landmarks, i)));
     if (!(std::abs(landmarks[i].target.norm() - 1) <= 1e-6)) {
-      return {Reason::kInvalidOption, nameOf(i) + " has a target that is not on the unit sphere"};
+      return {Reason::kInvalidOption,
+              landmarkName(landmarks, i) + " has a target that is not on the unit sphere"};
     }
     starts.push_back(spherePoint(surface, points, landmarks[i].point));
     for (std::size_t j = 0; j < i; ++j) {
       if ((starts[i] - starts[j]).norm() <= kSame) {
-        return {Reason::kInvalidOption, nameOf(j, i) + " coincide on the surface"};
+        return {Reason::kInvalidOption, namesOf(landmarks, j, i) + " coincide on the surface"};
       }
       if ((landmarks[i].target.normalized() - landmarks[j].target.normalized()).norm() <= kSame) {
-        return {Reason::kInvalidOption, nameOf(j, i) + " are sent to the same place"};
+        return {Reason::kInvalidOption, namesOf(landmarks, j, i) + " are sent to the same place"};
       }
     }
   }
   return {};
 }
 
-Status checkPaths(const Connectivity& surface, const Points3& points,
+Status checkPaths(const Context& context, const Connectivity& surface, const Points3& points,
                   const std::vector<Landmark>& landmarks) {
   Points3 start, end;
   std::vector<double> travel;
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    RETURN_IF_ERROR(context.check());
     start.push_back(spherePoint(surface, points, landmarks[i].point));
     end.push_back(landmarks[i].target.normalized());
     travel.push_back(angleBetween(start[i], end[i]));
     if (travel[i] > std::numbers::pi - 1e-6) {
-      return {Reason::kInvalidOption, nameOf(i) + " is sent to the opposite point of the sphere",
+      return {Reason::kInvalidOption,
+              landmarkName(landmarks, i) + " is sent to the opposite point of the sphere",
               "turn the map first, by an alignment"};
     }
     for (std::size_t j = 0; j < i; ++j) {
@@ -95,7 +101,7 @@ Status checkPaths(const Connectivity& surface, const Points3& points,
       // Who starts farther apart than both travel cannot meet.
       if (apart > 1.1 * (travel[i] + travel[j])) continue;
       if (nearestMeeting(start[i], end[i], start[j], end[j]) > kMeeting * apart) continue;
-      return {Reason::kInvalidOption, nameOf(j, i) + " cross: they meet on their way",
+      return {Reason::kInvalidOption, namesOf(landmarks, j, i) + " cross: they meet on their way",
               "turn the map first, by an alignment, or check that they are not exchanged"};
     }
   }

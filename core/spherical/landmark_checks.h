@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/spherical/landmark_map.h"
@@ -13,15 +14,18 @@ Eigen::Vector3d alongArc(const Eigen::Vector3d& a, const Eigen::Vector3d& b, dou
 /// Angle between unit vectors, also where it is tiny or near pi.
 double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 
-/// kInvalidOption, by the landmark's number, where one is not on the surface or its target not on
+/// What messages call landmark i.
+std::string landmarkName(const std::vector<Landmark>& landmarks, std::size_t i);
+
+/// kInvalidOption, by the landmark's name, where one is not on the surface or its target not on
 /// the sphere, or two coincide or are sent to one place. O(k^2).
 Status checkLandmarks(const Connectivity& surface, const Points3& points,
                       const std::vector<Landmark>& landmarks);
 
-/// kInvalidOption, by the landmark's number, where the arcs from where the landmarks are to their
+/// kInvalidOption, by the landmark's name, where the arcs from where the landmarks are to their
 /// targets cannot be travelled together: one leads to the opposite point, or two travellers meet.
-/// O(k^2).
-Status checkPaths(const Connectivity& surface, const Points3& points,
+/// Fails with kCancelled and kDeadlineExceeded, too. O(k^2).
+Status checkPaths(const Context& context, const Connectivity& surface, const Points3& points,
                   const std::vector<Landmark>& landmarks);
 
 }  // namespace moduli::spherical

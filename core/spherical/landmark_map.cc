@@ -47,7 +47,11 @@ class LandmarkHomotopy {
  public:
   LandmarkHomotopy(const Connectivity& surface, const BeltramiField& field, Points3 points,
                    const std::vector<Landmark>& landmarks, const LandmarkMapOptions& options)
-      : surface_(surface), field_(field), points_(std::move(points)), options_(options) {
+      : surface_(surface),
+        field_(field),
+        points_(std::move(points)),
+        landmarks_(landmarks),
+        options_(options) {
     for (const Landmark& landmark : landmarks) {
       pins_.push_back({landmark.point, landmark.target.normalized()});
       starts_.push_back(spherePoint(surface, points_, landmark.point));
@@ -192,7 +196,7 @@ class LandmarkHomotopy {
       if ((pins_[i].target - fold_).norm() < (pins_[nearest].target - fold_).norm()) nearest = i;
     }
     return {Reason::kFoldedMap,
-            "landmark " + std::to_string(nearest) + " folds the map beyond " +
+            spherical::landmarkName(landmarks_, nearest) + " folds the map beyond " +
                 std::to_string(static_cast<int>(100 * done)) + " percent of its way",
             "align the spheres first, leave that landmark out, or refine the mesh near it"};
   }
@@ -200,6 +204,7 @@ class LandmarkHomotopy {
   const Connectivity& surface_;
   const BeltramiField& field_;
   Points3 points_;
+  const std::vector<Landmark>& landmarks_;
   const LandmarkMapOptions& options_;
   std::vector<Pin> pins_;
   Points3 starts_, targets_;
@@ -283,7 +288,7 @@ Result<LandmarkMap> meetLandmarks(Context& context, const Connectivity& surface,
     if (options.align) {
       ASSIGN_OR_RETURN(map.points, aligned(surface, std::move(map.points), landmarks, options));
     }
-    RETURN_IF_ERROR(spherical::checkPaths(surface, map.points, landmarks));
+    RETURN_IF_ERROR(spherical::checkPaths(context, surface, map.points, landmarks));
     ASSIGN_OR_RETURN(const BeltramiField field, BeltramiField::make(context, surface, map.points,
                                                                     options.smoothing, kDamping));
     LandmarkHomotopy homotopy(surface, field, std::move(map.points), landmarks, options);

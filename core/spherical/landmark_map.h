@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/base/context.h"
@@ -20,6 +21,7 @@ namespace moduli {
 struct Landmark {
   SurfacePoint point;
   Eigen::Vector3d target;
+  std::string name = {};  ///< For messages; "": "landmark" and its number.
 };
 
 struct LandmarkMapOptions {

@@ -17,6 +17,10 @@ static_assert(static_cast<int>(RicciSolver::kFlow) + 1 == Options::FLOW);
 static_assert(static_cast<int>(MapMethod::kAuto) + 1 == Options::AUTO);
 static_assert(static_cast<int>(MapMethod::kRobust) + 1 == Options::ROBUST);
 
+using Registration = v1::RegistrationResult;
+static_assert(static_cast<int>(ComparedField::kGiven) == Registration::GIVEN);
+static_assert(static_cast<int>(ComparedField::kAreaDistortion) == Registration::AREA_DISTORTION);
+
 /// Both enums name the same things, ours from 0 and the message's from 1; 0 is the default there.
 template <typename Core, typename Message>
 Core shifted(Message value, Core otherwise) {
@@ -70,6 +74,22 @@ v1::ParameterizationCertificate toProto(const MapCertificate& certificate) {
   if (certificate.flips) message.set_flips(*certificate.flips);
   if (certificate.sweeps) message.set_sweeps(*certificate.sweeps);
   for (const std::string& warning : certificate.warnings) message.add_warnings(warning);
+  return message;
+}
+
+v1::RegistrationResult toProto(const SphereRegistration& registration) {
+  Registration message;
+  const auto set = [&message](void (Registration::*field)(double), std::optional<double> value) {
+    if (value && std::isfinite(*value)) (message.*field)(*value);
+  };
+  message.set_landmarks(registration.landmarks);
+  message.set_field(static_cast<Registration::Field>(static_cast<int>(registration.field)));
+  set(&Registration::set_landmark_distance, registration.landmark_distance);
+  set(&Registration::set_mean_beltrami, registration.mean_beltrami);
+  set(&Registration::set_max_beltrami, registration.max_beltrami);
+  set(&Registration::set_correlation_before, registration.correlation_before);
+  set(&Registration::set_correlation_after, registration.correlation_after);
+  set(&Registration::set_mean_absolute_difference, registration.mean_absolute_difference);
   return message;
 }
 

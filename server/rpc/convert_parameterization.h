@@ -2,6 +2,7 @@
 
 #include "core/parameterize/flat.h"
 #include "core/parameterize/parameterization.h"
+#include "core/parameterize/register_sphere.h"
 #include "moduli/v1/parameterization.pb.h"
 
 /// Parameterizations as messages of the public API and back. Pure; O(size of the value).
@@ -17,5 +18,7 @@ v1::ParameterizationOptions::Method toProto(MapMethod method);
 
 /// Numbers that are not finite are left out.
 v1::ParameterizationCertificate toProto(const MapCertificate& certificate);
+/// Likewise. Whether the reference is a sphere is left open.
+v1::RegistrationResult toProto(const SphereRegistration& registration);
 
 }  // namespace moduli

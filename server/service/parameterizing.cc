@@ -4,25 +4,19 @@
 #include <array>
 #include <bit>
 #include <cstddef>
-#include <numeric>
 #include <string>
 #include <utility>
-#include <variant>
 
-#include "core/intrinsic/chordal_metric.h"
-#include "core/intrinsic/intrinsic_surface.h"
-#include "core/mesh/input_corners.h"
-#include "core/mesh/prepare.h"
 #include "core/parameterize/circle_domain.h"
 #include "core/parameterize/disk.h"
 #include "core/parameterize/flat.h"
 #include "core/parameterize/rectangle.h"
 #include "core/parameterize/sphere.h"
-#include "server/rpc/convert.h"
 #include "server/rpc/convert_parameterization.h"
 #include "server/service/cones.h"
 #include "server/service/named_vertex.h"
-#include "server/service/signing.h"
+#include "server/service/registering.h"
+#include "server/service/subject.h"
 
 namespace moduli {
 namespace {
@@ -32,69 +26,6 @@ static_assert(std::endian::native == std::endian::little);
 static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
 static_assert(sizeof(std::complex<double>) == 2 * sizeof(double));
 static_assert(sizeof(Triangle) == 3 * sizeof(std::int32_t));
-
-/// The surface of a request, ready to be mapped, and how the file numbers it. Either a mesh (`soup`
-/// as read, `prepared` from it) or an intrinsic triangulation, which has no other numbers.
-struct Subject {
-  TriangleSoup soup;
-  std::optional<PreparedMesh> prepared;
-  std::optional<IntrinsicSurface> intrinsic;
-  std::vector<Index> input_corners;  ///< Of `prepared`.
-  std::vector<double> lengths;
-  VertexPlaces places;
-  std::vector<std::string> warnings;
-
-  const Connectivity& surface() const {
-    return prepared ? prepared->mesh.connectivity() : intrinsic->connectivity;
-  }
-};
-
-Result<Subject> meshSubject(Context& context, TriangleSoup soup, const PrepareOptions& options) {
-  const Context::Stage stage(context, "prepare");
-  Subject subject;
-  subject.soup = std::move(soup);
-  ASSIGN_OR_RETURN(subject.prepared, prepareMesh(context, subject.soup, options));
-  const PreparedMesh& prepared = *subject.prepared;
-  subject.input_corners = inputCorners(subject.soup, prepared);
-  subject.places = findVertexPlaces(subject.soup, prepared, subject.input_corners);
-  subject.lengths = prepared.mesh.edgeLengths();
-  subject.warnings = prepared.warnings;
-  for (const RepairAction& action : prepared.actions) {
-    subject.warnings.push_back("REPAIRED: " + action.action + " (" + std::to_string(action.count) +
-                               ")");
-  }
-  return subject;
-}
-
-Result<Subject> intrinsicSubject(IntrinsicSurface surface, const PrepareOptions& options) {
-  RETURN_IF_ERROR(checkIntrinsicPrepare(options));
-  Subject subject;
-  ASSIGN_OR_RETURN(subject.lengths, chordLengths(surface));
-  if (surface.geometry != Geometry::kEuclidean) {
-    subject.warnings.emplace_back(
-        "CHORDAL_METRIC: what is mapped is the polyhedral surface whose edges are the chords of "
-        "these");
-  }
-  const auto vertices = static_cast<std::size_t>(surface.connectivity.vertexCount());
-  subject.places.place.resize(vertices);
-  std::iota(subject.places.place.begin(), subject.places.place.end(), 0);
-  subject.places.used.assign(vertices, true);
-  subject.intrinsic = std::move(surface);
-  return subject;
-}
-
-Result<Subject> loadSubject(Context& context, const Backend& backend,
-                            const v1::ParameterizeRequest& request) {
-  ASSIGN_OR_RETURN(const MeshFile file, loadMesh(context, backend, request.source()));
-  // Taken from where it is: GCC 12 takes the parts of a moved variant for uninitialized.
-  Result<ParsedSurface> parsed = parseSurface(context, backend, file);
-  RETURN_IF_ERROR(parsed.status());
-  const PrepareOptions options = fromProto(request.prepare());
-  if (auto* intrinsic = std::get_if<IntrinsicSurface>(&*parsed)) {
-    return intrinsicSubject(std::move(*intrinsic), options);
-  }
-  return meshSubject(context, std::move(std::get<TriangleSoup>(*parsed)), options);
-}
 
 using Options = v1::ParameterizationOptions;
 
@@ -139,19 +70,21 @@ Result<std::array<Index, 4>> cornersOnSurface(const Options& message, const Subj
   return corners;
 }
 
+Result<SphereOptions> sphereOptions(const Options& message) {
+  ASSIGN_OR_RETURN(const std::optional<MobiusMap> mobius, mobiusOf(message));
+  return SphereOptions{fromProto(message.method()), startsDelaunay(message), refines(message),
+                       mobius};
+}
+
 Result<Parameterization> mapSurface(Context& context, const Options& message,
                                     const Subject& subject) {
   const Connectivity& surface = subject.surface();
   const std::vector<double>& lengths = subject.lengths;
-  const std::vector<Eigen::Vector3d> none;
-  const std::vector<Eigen::Vector3d>& positions =
-      subject.prepared ? subject.prepared->mesh.positions() : none;
+  const std::vector<Eigen::Vector3d>& positions = subject.positions();
   switch (message.target()) {
     case Options::SPHERE: {
-      ASSIGN_OR_RETURN(const std::optional<MobiusMap> mobius, mobiusOf(message));
-      return parameterizeSphere(
-          context, surface, lengths, positions,
-          {fromProto(message.method()), startsDelaunay(message), refines(message), mobius});
+      ASSIGN_OR_RETURN(const SphereOptions options, sphereOptions(message));
+      return parameterizeSphere(context, surface, lengths, positions, options);
     }
     case Options::DISK: {
       ASSIGN_OR_RETURN(const std::optional<MobiusMap> mobius, mobiusOf(message));
@@ -211,12 +144,14 @@ ArrayView viewOf(v1::ArrayChunk::Array array, int columns, const std::vector<Row
 class Parts {
  public:
   Parts(std::shared_ptr<const ParameterizedSurface> surface, bool omit_arrays)
-      : surface_(std::move(surface)), array_(omit_arrays ? kArrays : 0) {}
+      : surface_(std::move(surface)),
+        arrays_(surface_->carried.empty() ? kArrays - 1 : kArrays),
+        array_(omit_arrays ? arrays_ : 0) {}
 
   std::optional<v1::ParameterizeResponse> next() {
     if (done_) return {};
     v1::ParameterizeResponse response;
-    if (array_ == kArrays) {
+    if (array_ == arrays_) {
       *response.mutable_parameterization() = surface_->result;
       done_ = true;
       return response;
@@ -226,14 +161,15 @@ class Parts {
   }
 
  private:
-  static constexpr std::size_t kArrays = 4;
+  static constexpr std::size_t kArrays = 5;
 
   ArrayView view() const {
     const std::array<ArrayView, kArrays> views = {
         viewOf(v1::ArrayChunk::POSITIONS, 3, surface_->positions),
         viewOf(v1::ArrayChunk::FACES, 3, surface_->faces),
         viewOf(v1::ArrayChunk::POINTS, 2, surface_->points),
-        viewOf(v1::ArrayChunk::CORNERS, 3, surface_->corners)};
+        viewOf(v1::ArrayChunk::CORNERS, 3, surface_->corners),
+        viewOf(v1::ArrayChunk::CARRIED, 1, surface_->carried)};
     return views[array_];
   }
 
@@ -252,6 +188,7 @@ class Parts {
   }
 
   std::shared_ptr<const ParameterizedSurface> surface_;
+  std::size_t arrays_;  ///< So many of the views are sent.
   std::size_t array_ = 0;
   std::size_t offset_ = 0;
   bool done_ = false;
@@ -261,14 +198,28 @@ class Parts {
 
 Result<ParameterizedSurface> parameterizeMesh(Context& context, const Backend& backend,
                                               const v1::ParameterizeRequest& request) {
-  ASSIGN_OR_RETURN(Subject subject, loadSubject(context, backend, request));
+  ASSIGN_OR_RETURN(Subject subject,
+                   loadSubject(context, backend, request.source(), request.prepare()));
+  std::optional<ReferenceSphere> reference;
+  if (request.options().has_registration()) {
+    ASSIGN_OR_RETURN(reference, loadReference(context, backend, request, subject));
+  }
   ASSIGN_OR_RETURN(Parameterization map, mapSurface(context, request.options(), subject));
+  RegisteredSphere registered;
+  if (reference) {
+    ASSIGN_OR_RETURN(const SphereOptions options, sphereOptions(request.options()));
+    ASSIGN_OR_RETURN(registered,
+                     registerOnReference(context, *reference, subject, std::move(map), options));
+    map = std::move(registered.map);
+  }
   std::vector<std::string>& warnings = map.certificate.warnings;
   warnings.insert(warnings.begin(), subject.warnings.begin(), subject.warnings.end());
   ParameterizedSurface surface;
   surface.result = describe(request.options(), subject.surface(), map);
   surface.result.mutable_timing()->insert(context.timing().begin(), context.timing().end());
+  if (reference) *surface.result.mutable_registration() = registered.result;
   if (request.omit_arrays()) return surface;
+  surface.carried = std::move(registered.carried);
   static_cast<MappedFaces&>(surface) =
       subject.intrinsic
           ? imageAlone(subject.surface(), map)

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/base/context.h"
 #include "moduli/v1/geometry_service.pb.h"
@@ -15,11 +16,12 @@ namespace moduli {
 /// A surface with its map, in the numbering of the input.
 struct ParameterizedSurface : MappedFaces {
   v1::Parameterization result;
+  std::vector<double> carried;  ///< Per vertex of the input the reference's field; or empty.
 };
 
 /// Loads, parses, prepares and maps the surface of a checked request. The arrays are left empty
 /// where the request omits them. Fails as these steps do, and with kInvalidOption for cones,
-/// corners and Möbius maps that do not fit the surface.
+/// corners, landmarks and Möbius maps that do not fit the surface.
 Result<ParameterizedSurface> parameterizeMesh(Context& context, const Backend& backend,
                                               const v1::ParameterizeRequest& request);
 

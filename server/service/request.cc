@@ -1,5 +1,6 @@
 #include "server/service/request.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/text.h"
@@ -158,6 +159,109 @@ Refusal checkMobius(const v1::ParameterizationOptions& options, const std::strin
           field + ".mobius"};
 }
 
+constexpr int kMostLandmarks = 2000;
+constexpr int kMostOfCurve = 1000;
+
+bool isSound(const v1::SurfacePoint& point) {
+  if (point.has_vertex()) return point.vertex() >= 0 && point.barycentric().empty();
+  if (!point.has_face() || point.face() < 0 || point.barycentric_size() != 3) return false;
+  double sum = 0;
+  for (const double weight : point.barycentric()) {
+    if (!(weight >= 0)) return false;
+    sum += weight;
+  }
+  return std::abs(sum - 1) <= 1e-3;
+}
+
+Refusal checkLandmarks(const v1::SphereRegistration& registration, const std::string& field) {
+  const auto refuse = [](const std::string& name, const std::string& why,
+                         const std::string& where) {
+    return Refusal{{Reason::kInvalidOption, name.empty() ? why : name + ": " + why,
+                    "give a vertex, or a face and three weights of sum 1, of both surfaces"},
+                   where};
+  };
+  int count = registration.landmarks_size();
+  for (int i = 0; i < registration.landmarks_size(); ++i) {
+    const v1::LandmarkPair& pair = registration.landmarks(i);
+    const std::string where = field + ".landmarks[" + std::to_string(i) + "]";
+    if (!isSound(pair.point())) {
+      return refuse(pair.name(), "a landmark is no point of a surface", where + ".point");
+    }
+    if (!isSound(pair.reference())) {
+      return refuse(pair.name(), "a landmark is no point of the reference", where + ".reference");
+    }
+  }
+  for (int i = 0; i < registration.curves_size(); ++i) {
+    const v1::LandmarkCurve& curve = registration.curves(i);
+    const std::string where = field + ".curves[" + std::to_string(i) + "]";
+    if (curve.count() < 2 || curve.count() > kMostOfCurve) {
+      return refuse(curve.name(),
+                    "a curve of " + std::to_string(curve.count()) + " landmarks, not 2 to " +
+                        std::to_string(kMostOfCurve),
+                    where + ".count");
+    }
+    if (curve.vertices_size() < 2 || curve.reference_vertices_size() < 2) {
+      return refuse(curve.name(), "a curve of less than two vertices", where);
+    }
+    count += std::min(curve.count(), kMostLandmarks);
+    if (count > kMostLandmarks) break;
+  }
+  if (count <= kMostLandmarks) return {};
+  return {{Reason::kInvalidOption,
+           "there are more than " + std::to_string(kMostLandmarks) +
+               " landmarks, those of curves among them",
+           "leave some out"},
+          field};
+}
+
+/// A source of values: no stored shape, which has none.
+Refusal checkValues(const v1::MeshSource& source, const std::string& field) {
+  if (!source.has_shape()) return checkSource(source, field);
+  return {{Reason::kInvalidRequest, "a stored shape has no values at its vertices",
+           "set one of inline and digest in the source"},
+          field + ".shape"};
+}
+
+Refusal checkFields(const v1::SphereRegistration& registration, const std::string& field) {
+  const bool by_landmarks = !registration.landmarks().empty() || !registration.curves().empty();
+  if (registration.has_field() && !registration.has_reference_field()) {
+    return {{Reason::kInvalidOption, "a field of the surface has none of the reference beside it",
+             "give reference_field, too"},
+            field + ".reference_field"};
+  }
+  if (registration.has_reference_field() && !registration.has_field() && !by_landmarks) {
+    return {{Reason::kInvalidOption,
+             "a field of the reference has none of the surface beside it, and no landmarks",
+             "give field, too"},
+            field + ".field"};
+  }
+  Refusal refusal;
+  if (registration.has_field()) refusal = checkValues(registration.field(), field + ".field");
+  if (refusal.ok() && registration.has_reference_field()) {
+    refusal = checkValues(registration.reference_field(), field + ".reference_field");
+  }
+  return refusal;
+}
+
+Refusal checkRegistration(const v1::ParameterizationOptions& options, const std::string& parent) {
+  if (!options.has_registration()) return {};
+  const std::string field = parent + ".registration";
+  if (options.target() != v1::ParameterizationOptions::SPHERE) {
+    return {{Reason::kInvalidOption, "what is registered is a SPHERE, which is not the target",
+             "set target to SPHERE, or leave the registration out"},
+            field};
+  }
+  if (!options.mobius().empty()) {
+    return {{Reason::kInvalidOption,
+             "a registration says where the sphere lies, and a Möbius map would move it",
+             "give one of the two"},
+            parent + ".mobius"};
+  }
+  const v1::SphereRegistration& registration = options.registration();
+  return firstOf(checkSource(registration.reference(), field + ".reference"),
+                 checkFields(registration, field), checkLandmarks(registration, field));
+}
+
 }  // namespace
 
 Refusal checkParameterization(const v1::ParameterizationOptions& options,
@@ -175,7 +279,8 @@ Refusal checkParameterization(const v1::ParameterizationOptions& options,
       checkChoice(Options::Scheme_IsValid(options.scheme()), "scheme", options.scheme(), field),
       checkChoice(Options::Solver_IsValid(options.solver()), "solver", options.solver(), field),
       checkChoice(Options::Method_IsValid(options.method()), "method", options.method(), field),
-      checkCones(options, field), checkCorners(options, field), checkMobius(options, field));
+      checkCones(options, field), checkCorners(options, field), checkMobius(options, field),
+      checkRegistration(options, field));
 }
 
 }  // namespace moduli

@@ -73,6 +73,30 @@ TEST(ArrayAssembler, PutsPiecesInAnyInterleavingTogether) {
   EXPECT_EQ(mesh->positions.size(), 9U);
 }
 
+TEST(ArrayAssembler, TakesACarriedFieldAndAnswersWithoutOne) {
+  ArrayAssembler plain;
+  for (const Chunk& one : square()) ASSERT_OK(plain.take(one));
+  const auto without = plain.finish();
+  ASSERT_OK(without);
+  EXPECT_TRUE(without->carried.empty());
+  ArrayAssembler assembler;
+  for (const Chunk& one : square()) ASSERT_OK(assembler.take(one));
+  ASSERT_OK(assembler.take(chunk<double>(Chunk::CARRIED, 3, 1, {0.5, -2})));
+  ASSERT_OK(assembler.take(chunk<double>(Chunk::CARRIED, 3, 1, {7}, 16)));
+  const auto mesh = assembler.finish();
+  ASSERT_OK(mesh);
+  EXPECT_THAT(mesh->carried, ElementsAre(0.5, -2, 7));
+  const auto with = [](int rows, const std::vector<double>& numbers) {
+    return errorAfter(
+        [&](auto& chunks) { chunks.push_back(chunk<double>(Chunk::CARRIED, rows, 1, numbers)); });
+  };
+  EXPECT_EQ(with(4, {1, 2, 3, 4}), "");
+  EXPECT_THAT(with(4, {1, 2, 3}), HasSubstr("CARRIED: ends after 24 of 32 bytes"));
+  EXPECT_THAT(with(5, {1, 2, 3, 4, 5}), HasSubstr("CARRIED: has more rows than there are"));
+  EXPECT_THAT(with(2, {1, std::numeric_limits<double>::quiet_NaN()}),
+              HasSubstr("CARRIED: has a number that is not finite"));
+}
+
 TEST(ArrayAssembler, RefusesShapesThatNoArrayHas) {
   EXPECT_EQ(assemblyError(square()), "");
   EXPECT_THAT(errorAfter([](auto& chunks) { chunks[2].set_columns(3); }),
