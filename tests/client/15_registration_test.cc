@@ -140,6 +140,7 @@ TEST_F(Registration, AFieldIsCarriedAsTextAndAsGifti) {
     SCOPED_TRACE(name);
     std::vector<std::string> all = words;
     all.insert(all.end(), {"--carried", name});
+    EXPECT_THAT(sphere(all).out, testing::EndsWith("\n" + name + ": 252 values\n"));
     const Json result = report(all);
     EXPECT_EQ(result["registration"]["field"].string(), "GIVEN");
     EXPECT_NEAR(result["registration"]["correlation_after"].number(), 1, 1e-9);
