@@ -157,7 +157,7 @@ void MapPanels::listPanels(const MapPicture& picture) {
 void MapPanels::listCircles(const MapPicture& picture) {
   if (target_ == Options::DISK) circles_.push_back({});
   if (target_ != Options::CIRCLE_DOMAIN) return;
-  for (const v1::PlaneCircle& circle : picture.map->result.circles()) {
+  for (const v1::Circle& circle : picture.map->result.circles()) {
     const bool drawable = std::isfinite(circle.center().re()) &&
                           std::isfinite(circle.center().im()) && circle.radius() > 0 &&
                           std::isfinite(circle.radius());

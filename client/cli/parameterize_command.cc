@@ -10,6 +10,7 @@
 #include "client/cli/file_writer.h"
 #include "client/cli/gifti_output.h"
 #include "client/cli/mesh_argument.h"
+#include "client/cli/parameterize_picture.h"
 #include "client/cli/prepare_arguments.h"
 #include "client/cli/registration.h"
 #include "client/cli/report.h"
@@ -174,16 +175,19 @@ class Outputs {
         carried_(arguments.text("carried")),
         carried_name_(arguments.text("reference-field", "area distortion")),
         output_writer_(output_, true),
-        carried_writer_(carried_, true) {
+        carried_writer_(carried_, true),
+        picture_writer_(arguments.text("picture"), true),
+        arguments_(arguments) {
     carried_name_.erase(0, carried_name_.rfind('/') + 1);
   }
 
-  bool wanted() const { return !output_.empty() || !carried_.empty(); }
+  bool wanted() const { return !output_.empty() || !carried_.empty() || draws(); }
 
   /// Before the work, so that a place where nothing can be written is told in time.
   Status open() {
     if (!output_.empty()) RETURN_IF_ERROR(output_writer_.open());
     if (!carried_.empty()) RETURN_IF_ERROR(carried_writer_.open());
+    if (draws()) RETURN_IF_ERROR(picture_writer_.open());
     return {};
   }
 
@@ -205,13 +209,21 @@ class Outputs {
       RETURN_IF_ERROR(writeTexturedObj(
           mesh, [this](std::string_view text) { return output_writer_.write(text); }));
     }
+    if (draws()) {
+      ASSIGN_OR_RETURN(const std::string bytes, pictureOf(client, arguments_, input, mesh));
+      RETURN_IF_ERROR(picture_writer_.write(bytes));
+      RETURN_IF_ERROR(picture_writer_.commit());
+    }
     if (!carried_.empty()) RETURN_IF_ERROR(carried_writer_.commit());
     return output_.empty() ? Status() : output_writer_.commit();
   }
 
  private:
+  bool draws() const { return arguments_.has("picture"); }
+
   std::string output_, carried_, carried_name_;
-  FileWriter output_writer_, carried_writer_;
+  FileWriter output_writer_, carried_writer_, picture_writer_;
+  const Arguments& arguments_;
 };
 
 std::string writtenLine(const std::string& path, const ParameterizedMesh& mesh) {
@@ -282,6 +294,7 @@ std::optional<std::string> checkParameterize(const Arguments& arguments) {
     return rectangle ? "--to rectangle needs its four corners: --corners a,b,c,d"
                      : "--corners are those of --to rectangle";
   }
+  if (const auto wrong = checkPicture(arguments)) return wrong;
   if (auto complaint = checkRegistrationArguments(arguments)) return complaint;
   if (!arguments.has("output")) return std::nullopt;
   const std::string output = arguments.text("output");
@@ -350,6 +363,7 @@ std::vector<OptionSpec> parameterizeOptions() {
        .help = "How the metric is found (newton)",
        .choices = {"newton", "flow"}},
       initialDelaunayOption()};
+  for (OptionSpec& option : pictureOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : registrationOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
   options.push_back(formatOption());
@@ -390,7 +404,7 @@ std::vector<CommandSpec> parameterizeCommands() {
        .options = parameterizeOptions(),
        .check = checkParameterize,
        .run = runParameterize,
-       .examples = "moduli parameterize bunny.obj --to sphere -o sphere.obj\n"
+       .examples = "moduli parameterize bunny.obj --to sphere -o sphere.obj --picture sphere.png\n"
                    "moduli parameterize lh.pial --to sphere --reference rh.pial --mirror --field "
                    "lh.sulc --reference-field rh.sulc -o lh.sphere.gii\n"
                    "moduli parameterize face.obj --to disk --mobius 1,0.3i,-0.3i,1 -o disk.obj\n"

@@ -40,7 +40,7 @@ std::vector<OptionSpec> registrationOptions() {
        .help = "With --reference: a value at each vertex of MESH (FreeSurfer's lh.sulc, a GIFTI "
                "shape, text). Without landmarks the rotation is that under which it is most like "
                "--reference-field; with landmarks they are compared. Without either, how much the "
-               "maps change areas takes their place",
+               "maps change areas takes their place. Without --reference a --picture shows it",
        .completion = Completion::kFile},
       {.names = "--reference-field",
        .value = "FILE",
@@ -57,7 +57,11 @@ std::optional<std::string> checkRegistrationArguments(const Arguments& arguments
   if (arguments.has("reference") && arguments.text("to") != "sphere") {
     return "--reference is for --to sphere";
   }
+  // A field alone is what a picture shows.
+  const bool shown =
+      arguments.has("field") && arguments.has("picture") && !arguments.has("reference");
   for (const std::string companion : kCompanions) {
+    if (companion == "field" && shown) continue;
     if (arguments.has(companion) && arguments.text("to") != "sphere") {
       return "--" + companion + " is for --to sphere with --reference";
     }

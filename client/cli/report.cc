@@ -83,6 +83,19 @@ std::string matrixLines(const v1::ConformalBlock& block) {
   return text;
 }
 
+std::string circleLines(const google::protobuf::RepeatedPtrField<v1::Circle>& circles) {
+  constexpr int kShown = 6;
+  std::string text;
+  for (int n = 0; n < std::min(kShown, circles.size()); ++n) {
+    text += line(n == 0 ? "circles" : "", "radius " + brief(circles[n].radius()) + " around " +
+                                              complexText(circles[n].center()));
+  }
+  if (circles.size() > kShown) {
+    text += line("", "and " + std::to_string(circles.size() - kShown) + " more");
+  }
+  return text;
+}
+
 std::string conformalLines(const v1::ConformalBlock& block) {
   std::string text = line("type", v1::ConformalBlock::Type_Name(block.type()));
   if (block.has_tau()) {
@@ -101,7 +114,7 @@ std::string conformalLines(const v1::ConformalBlock& block) {
     }
     text += line("energies", energies);
   }
-  return text;
+  return text + circleLines(block.circles());
 }
 
 std::string joinedLine(const std::string& label, const std::vector<std::string>& parts) {
@@ -185,21 +198,11 @@ std::string metricLine(const v1::ParameterizationCertificate& certificate) {
 
 std::string domainLines(const v1::Parameterization& result) {
   std::string text;
-  if (result.method() != v1::ParameterizationOptions::METHOD_UNSPECIFIED) {
+  if (result.has_method()) {
     text += line("method", v1::ParameterizationOptions::Method_Name(result.method()));
   }
   if (result.has_modulus()) text += line("modulus", brief(result.modulus()));
-  constexpr int kShown = 6;
-  for (int n = 0; n < std::min(kShown, result.circles_size()); ++n) {
-    const v1::PlaneCircle& circle = result.circles(n);
-    text += line(n == 0 ? "circles" : "", "radius " + brief(circle.radius()) + " around " +
-                                              brief(circle.center().re()) +
-                                              (circle.center().im() < 0 ? " - " : " + ") +
-                                              brief(std::abs(circle.center().im())) + " i");
-  }
-  if (result.circles_size() > kShown) {
-    text += line("", "and " + std::to_string(result.circles_size() - kShown) + " more");
-  }
+  text += circleLines(result.circles());
   if (result.refined()) {
     text += line("refined", counted(result.added_vertices(), "vertex", "vertices") + " and " +
                                 counted(result.added_faces(), "face", "faces") + " added");

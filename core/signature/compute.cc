@@ -15,9 +15,11 @@
 #include "core/intrinsic/mollify.h"
 #include "core/ricci/uniformize.h"
 #include "core/signature/amplitudes.h"
+#include "core/signature/canonical_circles.h"
 #include "core/signature/conformal_block.h"
 #include "core/signature/mean_curvature.h"
 #include "core/signature/spectra.h"
+#include "core/spherical/circle_domain_map.h"
 #include "core/spherical/face_frame.h"
 #include "core/spherical/sphere_map.h"
 #include "core/topology/surface_topology.h"
@@ -134,13 +136,48 @@ class SignatureBuilder {
     certificate.period_symmetry_residual = certified.period_symmetry_residual;
     certificate.warnings.insert(certificate.warnings.end(), certified.warnings.begin(),
                                 certified.warnings.end());
+    RETURN_IF_ERROR(addCircles());
     return topology.euler_characteristic < 0 ? certifyHyperbolic() : Status();
+  }
+
+  /// Whether discrete conformal maps start from the intrinsic Delaunay triangulation.
+  bool startsDelaunay() const {
+    const bool euclidean = intrinsic_ == nullptr || intrinsic_->geometry == Geometry::kEuclidean;
+    return options_.initial_delaunay && euclidean;
+  }
+
+  /// In the units of the lengths; none of an intrinsic surface.
+  std::vector<Eigen::Vector3d> unitPositions() const {
+    if (mesh_ == nullptr) return {};
+    std::vector<Eigen::Vector3d> positions = mesh_->positions();
+    for (Eigen::Vector3d& p : positions) {
+      for (double& coordinate : p) coordinate = std::ldexp(coordinate, -exponent_);
+    }
+    return positions;
+  }
+
+  /// The other invariants stand without them.
+  Status addCircles() {
+    if (!signature_.conformal || signature_.conformal->type != ConformalType::kCircleDomain) {
+      return {};
+    }
+    const Result<CircleDomain> domain =
+        mapToCircleDomain(context_, surface(), lengths_, unitPositions(), startsDelaunay());
+    if (domain.ok()) {
+      signature_.conformal->circles = canonicalCircles(domain->circles);
+      return {};
+    }
+    const Reason reason = domain.status().reason();
+    if (reason == Reason::kCancelled || reason == Reason::kDeadlineExceeded) {
+      return domain.status();
+    }
+    signature_.certificate.warnings.push_back("CIRCLES_OMITTED: " + domain.status().message());
+    return {};
   }
 
   Status certifyHyperbolic() {
     UniformizeOptions options;
-    const bool euclidean = intrinsic_ == nullptr || intrinsic_->geometry == Geometry::kEuclidean;
-    options.initial_delaunay = options_.initial_delaunay && euclidean;
+    options.initial_delaunay = startsDelaunay();
     const Result<Uniformization> found = uniformize(context_, surface(), lengths_, options);
     SignatureCertificate& certificate = signature_.certificate;
     if (found.status().reason() == Reason::kNoConvergence) {

@@ -11,9 +11,10 @@ namespace moduli {
 
 struct SignatureOptions {
   std::optional<Space> space;  ///< Only this space and the work that it needs; empty: all three.
-  /// Whether the hyperbolic metric starts from the intrinsic Delaunay triangulation of a mesh, or
-  /// from its own edges, whose discrete conformal class no Möbius map of space changes. Intrinsic
-  /// triangulations that are not Euclidean start from their own edges in any case.
+  /// Whether the hyperbolic metric and the map to a circle domain start from the intrinsic Delaunay
+  /// triangulation of a mesh, or from its own edges, whose discrete conformal class no Möbius map
+  /// of space changes. Intrinsic triangulations that are not Euclidean start from their own edges
+  /// in any case.
   bool initial_delaunay = true;
 };
 
@@ -23,13 +24,15 @@ struct SignatureOptions {
 /// mollified where faces have no area; the metric and shape blocks compare it with the canonical
 /// one, unit sphere or flat torus, both scaled to area 4 pi.
 ///
-/// Where the Euler characteristic is negative the certificate judges the hyperbolic metric of the
-/// surface (of its double).
+/// Circle domains get their circles; where the map to them fails, a warning CIRCLES_OMITTED says
+/// why and they are missing. Where the Euler characteristic is negative the certificate judges the
+/// hyperbolic metric of the surface (of its double).
 ///
 /// Orientation counts: turned inside out, a surface keeps its conformal factor and the power of its
 /// mean curvature, the cross spectrum changes sign, tau becomes -conj(tau), a period matrix -conj
-/// of it up to its marking, and energy spectra stay. The same holds for a mirror image with the
-/// normals kept outwards, but for the cross spectrum, which then stays.
+/// of it up to its marking, circles are mirrored in the real axis, and energy spectra stay. The
+/// same holds for a mirror image with the normals kept outwards, but for the cross spectrum, which
+/// then stays.
 ///
 /// Fails with kUnsupportedTopology (several components; the metric or shape space alone of other
 /// topologies than those two), kFoldedMap where the linear sphere map folds, kResidualTooLarge (a

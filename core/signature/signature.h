@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "core/mesh/triangle_soup.h"
+#include "core/spherical/circle.h"
 
 /// The signature of a surface as a plain value, field by field the message Signature of
 /// proto/moduli/v1/signature.proto.
 namespace moduli {
 
 /// Raised whenever the same mesh would get other numbers than before.
-inline constexpr int kDescriptorVersion = 2;
+inline constexpr int kDescriptorVersion = 3;
 
 enum class ConformalType : std::uint8_t {
   kSphere,
@@ -56,6 +57,9 @@ struct ConformalBlock {
   /// +-n once, ascending. Empty where their enumeration takes too long.
   std::vector<double> energy_spectrum;
   std::optional<double> energy_spectrum_error;  ///< Of each energy, relative.
+  /// Circle domain: the disk less round holes that it maps to, as canonicalCircles has them. No
+  /// bound of their errors; empty where the map fails.
+  std::vector<Circle> circles;
 };
 
 /// What bending without stretching keeps.

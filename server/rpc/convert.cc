@@ -13,6 +13,8 @@ namespace {
 // Far above any signature of ours; guards the indexes against hostile ones.
 constexpr int kMaxArray = 4096;
 constexpr int kMaxMatrix = kMaxPeriodGenus;
+// The double of a circle domain with b circles has genus b - 1.
+constexpr int kMaxCircles = kMaxPeriodGenus + 1;
 
 v1::Topology toProto(const SurfaceCounts& counts) {
   v1::Topology topology;
@@ -73,6 +75,14 @@ bool sound(const v1::ComplexMatrix& matrix) {
          });
 }
 
+bool sound(const google::protobuf::RepeatedPtrField<v1::Circle>& circles) {
+  return circles.size() <= kMaxCircles &&
+         std::all_of(circles.begin(), circles.end(), [](const v1::Circle& circle) {
+           return std::isfinite(circle.center().re()) && std::isfinite(circle.center().im()) &&
+                  std::isfinite(circle.radius()) && circle.radius() > 0;
+         });
+}
+
 Status checkSignature(const v1::Signature& message) {
   const auto refuse = [](const std::string& what) {
     return Status(Reason::kInvalidRequest, "not a signature: " + what,
@@ -112,6 +122,9 @@ Status checkSignature(const v1::Signature& message) {
         std::any_of(block.energy_spectrum().begin(), block.energy_spectrum().end(),
                     [](double energy) { return energy <= 0; })) {
       return refuse("its energy spectrum holds what is not a positive number, or too much");
+    }
+    if (!sound(block.circles())) {
+      return refuse("a circle has no finite centre or no positive radius, or there are too many");
     }
   }
   const v1::SearchVectors& vectors = message.vectors();
@@ -213,6 +226,9 @@ ConformalBlock fromProto(const v1::ConformalBlock& message) {
   if (message.has_energy_spectrum_error()) {
     block.energy_spectrum_error = message.energy_spectrum_error();
   }
+  for (const v1::Circle& circle : message.circles()) {
+    block.circles.push_back({{circle.center().re(), circle.center().im()}, circle.radius()});
+  }
   return block;
 }
 
@@ -240,6 +256,7 @@ v1::ConformalBlock toProto(const ConformalBlock& block) {
   if (block.energy_spectrum_error) {
     message.set_energy_spectrum_error(*block.energy_spectrum_error);
   }
+  for (const Circle& circle : block.circles) *message.add_circles() = toProto(circle);
   return message;
 }
 
@@ -262,6 +279,14 @@ v1::Inspection toProto(const Inspection& inspection, const std::vector<RepairAct
     one.set_action(action.action);
     one.set_count(action.count);
   }
+  return message;
+}
+
+v1::Circle toProto(const Circle& circle) {
+  v1::Circle message;
+  message.mutable_center()->set_re(circle.center.real());
+  message.mutable_center()->set_im(circle.center.imag());
+  message.set_radius(circle.radius);
   return message;
 }
 

@@ -18,9 +18,12 @@ namespace moduli {
 /// repair: what a repair would do.
 v1::Inspection toProto(const Inspection& inspection, const std::vector<RepairAction>& repair);
 
+v1::Circle toProto(const Circle& circle);
+
 v1::Signature toProto(const Signature& signature);
 /// Fails with kInvalidRequest on values that no signature has: a missing topology, a conformal
-/// block without a type, numbers that are not finite, negative counts, over-long arrays.
+/// block without a type, numbers that are not finite, negative counts, circles without a
+/// radius, over-long arrays.
 Result<Signature> fromProto(const v1::Signature& signature);
 
 v1::SignatureDistances toProto(const SignatureDistances& distances);

@@ -117,12 +117,7 @@ v1::Parameterization describe(const Options& options, const Connectivity& surfac
   if (options.target() != Options::FLAT) result.set_method(toProto(map.method));
   *result.mutable_certificate() = toProto(map.certificate);
   if (map.modulus) result.set_modulus(*map.modulus);
-  for (const Circle& circle : map.circles) {
-    v1::PlaneCircle& message = *result.add_circles();
-    message.mutable_center()->set_re(circle.center.real());
-    message.mutable_center()->set_im(circle.center.imag());
-    message.set_radius(circle.radius);
-  }
+  for (const Circle& circle : map.circles) *result.add_circles() = toProto(circle);
   if (map.subdivision) {
     result.set_added_vertices(static_cast<int>(map.subdivision->vertices.size()));
     result.set_added_faces(static_cast<int>(map.subdivision->faces.size()) - surface.faceCount());

@@ -59,8 +59,17 @@ TEST_F(Usage, EveryWrongWordExitsTwoWithOneLineAndNoOutput) {
       {"completion"},
       {"man", "frobnicate"},
       // Abilities that this build does not have are no words of it.
-      {"parameterize", "a", "--to", "sphere"},
-      {"parameterize", "a", "--to", "flat", "--picture", "a.png"}};
+      {"parameterize", "a", "--to", "moon"},
+      {"parameterize", "a", "--to", "rectangle"},
+      {"parameterize", "a", "--to", "disk", "--corners", "1,2,3,4"},
+      {"parameterize", "a", "--to", "rectangle", "--corners", "1,2,3"},
+      {"parameterize", "a", "--to", "rectangle", "--corners", "1,2,3,x"},
+      {"parameterize", "a", "--to", "disk", "--mobius", "1,0,0"},
+      {"parameterize", "a", "--to", "disk", "--mobius", "1,0,0,i2"},
+      {"parameterize", "a", "--to", "flat", "--picture", "a.gif"},
+      {"parameterize", "a", "--to", "flat", "--picture", "a.png", "--size", "3x3"},
+      {"parameterize", "a", "--to", "flat", "--picture", "a.png", "--view", "aside"},
+      {"parameterize", "a", "--to", "flat", "--size", "300x300"}};
   for (const auto& words : wrong) {
     SCOPED_TRACE(testing::PrintToString(words));
     EXPECT_THAT(run(words), IsUsageError());

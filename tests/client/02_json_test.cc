@@ -5,6 +5,7 @@ namespace moduli {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
 class JsonOutput : public CliTest {
@@ -73,8 +74,10 @@ TEST_F(JsonOutput, SignatureOfAPretzelHasItsPeriods) {
   EXPECT_THAT(json.keys(), UnorderedElementsAre("topology", "conformal", "vectors",
                                                 "descriptor_version", "certificate", "timing"));
   const Json block = json["conformal"];
-  EXPECT_THAT(block.keys(), UnorderedElementsAre("type", "period_matrix", "period_error",
-                                                 "energy_spectrum", "energy_spectrum_error"));
+  EXPECT_THAT(block.keys(),
+              UnorderedElementsAre("type", "period_matrix", "period_error", "energy_spectrum",
+                                   "energy_spectrum_error", "circles"));
+  EXPECT_EQ(block["circles"].size(), 0);
   EXPECT_EQ(block["type"].string(), "HYPERBOLIC");
   EXPECT_EQ(block["period_matrix"]["size"].number(), 2);
   ASSERT_EQ(block["period_matrix"]["entries"].size(), 4);
@@ -111,6 +114,22 @@ TEST_F(JsonOutput, SignatureOfARingHasItsModulus) {
   EXPECT_GT(block["modulus_error"].number(), 0);
   EXPECT_FALSE(block.has("period_matrix"));
   EXPECT_FALSE(block.has("tau"));
+}
+
+TEST_F(JsonOutput, SignatureOfAPlateHasItsCircles) {
+  sample("p.off", {"plate", "holes=2", "resolution=2"});
+  const Json circles = this->json({"signature", "p.off"})["conformal"]["circles"];
+  ASSERT_EQ(circles.size(), 3);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_THAT(circles.at(k).keys(), UnorderedElementsAre("center", "radius"));
+    EXPECT_THAT(circles.at(k)["center"].keys(), UnorderedElementsAre("re", "im"));
+  }
+  EXPECT_EQ(circles.at(0)["radius"].number(), 1);
+  EXPECT_EQ(circles.at(1)["center"]["re"].number(), 0);
+  EXPECT_GT(circles.at(2)["center"]["re"].number(), 0);
+  EXPECT_EQ(circles.at(2)["center"]["im"].number(), 0);
+  EXPECT_GT(circles.at(1)["radius"].number(), circles.at(2)["radius"].number());
+  EXPECT_THAT(run({"signature", "p.off"}).out, HasSubstr("circles       radius 1 around 0 + 0 i"));
 }
 
 TEST_F(JsonOutput, SignatureOfOneSpaceHasNoOther) {

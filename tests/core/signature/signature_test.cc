@@ -214,6 +214,7 @@ TEST(Signature, HasTheConformalBlockOfEveryTopology) {
                 static_cast<std::size_t>(each.period_size * each.period_size));
     }
     EXPECT_EQ(block.energy_spectrum.size(), each.spectrum ? kEnergySpectrumLength : 0);
+    EXPECT_EQ(block.circles.size(), each.type == ConformalType::kCircleDomain ? 4 : 0);
     EXPECT_TRUE(std::is_sorted(block.energy_spectrum.begin(), block.energy_spectrum.end()));
     EXPECT_FALSE(signature.vectors.conformal.empty());
   }

@@ -1,6 +1,9 @@
 #include "server/rpc/convert.h"
 
+#include <google/protobuf/util/json_util.h>
+
 #include <limits>
+#include <string>
 
 #include "tests/core/testing.h"
 
@@ -36,6 +39,7 @@ Signature borderedSignature() {
   block.modulus_error = 1e-5;
   block.period_matrix = PeriodEntries{2, {{0.5, 1}, {-0.25, 0.125}, {-0.25, 0.125}, {0, 2}}};
   block.period_error = 1e-6;
+  block.circles = {{0, 1}, {0, 0.25}, {{0.6, -0.125}, 1e-5}};
   signature.certificate.period_symmetry_residual = 1e-17;
   return signature;
 }
@@ -51,6 +55,33 @@ TEST(Convert, PeriodsTravelThereAndBackToTheLastBit) {
   EXPECT_EQ(back->conformal->energy_spectrum, signature.conformal->energy_spectrum);
   EXPECT_EQ(back->conformal->modulus, 0.75);
   EXPECT_EQ(back->certificate.period_symmetry_residual, 1e-17);
+}
+
+TEST(Convert, CirclesTravelThereAndBackToTheLastBit) {
+  const Signature signature = borderedSignature();
+  const v1::Signature message = toProto(signature);
+  ASSERT_EQ(message.conformal().circles_size(), 3);
+  EXPECT_EQ(message.conformal().circles(2).center().re(), 0.6);
+  EXPECT_EQ(message.conformal().circles(2).center().im(), -0.125);
+  const Result<Signature> back = fromProto(message);
+  ASSERT_OK(back);
+  ASSERT_EQ(back->conformal->circles.size(), 3U);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(back->conformal->circles[k].center, signature.conformal->circles[k].center);
+    EXPECT_EQ(back->conformal->circles[k].radius, signature.conformal->circles[k].radius);
+  }
+}
+
+// The keys that other programs read.
+TEST(Convert, CirclesHaveTheirNamesInJson) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  std::string text;
+  ASSERT_TRUE(MessageToJsonString(toProto(borderedSignature()).conformal(), &text, options).ok());
+  EXPECT_THAT(text, testing::HasSubstr(R"("circles":[{"center":{"re":0,"im":0},"radius":1},)"
+                                       R"({"center":{"re":0,"im":0},"radius":0.25},)"
+                                       R"({"center":{"re":0.6,"im":-0.125},"radius":1e-05}])"));
 }
 
 TEST(Convert, ASignatureTravelsThereAndBackToTheLastBit) {
@@ -120,12 +151,30 @@ TEST(Convert, WhatNoConformalBlockCanBeIsRefused) {
       [](v1::ConformalBlock& b) { b.mutable_period_matrix()->set_size(3); },
       [](v1::ConformalBlock& b) { b.mutable_period_matrix()->set_size(1 << 16); },
       [](v1::ConformalBlock& b) { b.mutable_period_matrix()->mutable_entries(1)->set_im(kNaN); },
+      [](v1::ConformalBlock& b) { b.mutable_circles(1)->set_radius(0); },
+      [](v1::ConformalBlock& b) { b.mutable_circles(1)->set_radius(-1); },
+      [](v1::ConformalBlock& b) { b.mutable_circles(1)->set_radius(kNaN); },
+      [](v1::ConformalBlock& b) {
+        b.mutable_circles(1)->set_radius(std::numeric_limits<double>::infinity());
+      },
+      [](v1::ConformalBlock& b) { b.mutable_circles(2)->mutable_center()->set_re(kNaN); },
+      [](v1::ConformalBlock& b) { b.mutable_circles(2)->mutable_center()->set_im(kNaN); },
+      [](v1::ConformalBlock& b) {
+        for (int i = 0; i < 127; ++i) *b.add_circles() = b.circles(1);
+      },
   };
   for (std::size_t i = 0; i < spoils.size(); ++i) {
     v1::Signature message = toProto(borderedSignature());
     spoils[i](*message.mutable_conformal());
     EXPECT_THAT(fromProto(message), FailsWith(Reason::kInvalidRequest)) << "spoil " << i;
   }
+}
+
+TEST(Convert, AsManyCirclesAsPeriodsAllowAreTaken) {
+  v1::Signature message = toProto(borderedSignature());
+  v1::ConformalBlock& block = *message.mutable_conformal();
+  while (block.circles_size() < 129) *block.add_circles() = block.circles(1);
+  EXPECT_OK(fromProto(message));
 }
 
 TEST(Convert, DefectsKeepKindSeverityAndElements) {

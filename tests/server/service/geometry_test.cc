@@ -185,6 +185,7 @@ TEST_F(GeometryTest, EveryTopologyHasItsConformalBlock) {
   const Type plate = blockOf("plate", {{"holes", 3}, {"resolution", 2}});
   EXPECT_EQ(plate.type(), Type::CIRCLE_DOMAIN);
   EXPECT_EQ(plate.period_matrix().size(), 3);
+  EXPECT_EQ(plate.circles_size(), 4);
   EXPECT_EQ(blockOf("disk", {{"resolution", 4}}).type(), Type::DISK);
 }
 
