@@ -147,7 +147,7 @@ TEST(RegistrationToProto, LeavesOutWhatDoesNotApply) {
   v1::RegistrationResult message = toProto(registration);
   EXPECT_FALSE(message.has_landmark_distance());
   EXPECT_FALSE(message.has_correlation_after());
-  EXPECT_EQ(message.field(), v1::RegistrationResult::FIELD_UNSPECIFIED);
+  EXPECT_FALSE(message.has_field());
   registration.field = ComparedField::kAreaDistortion;
   registration.correlation_after = 0.75;
   registration.max_beltrami = std::nan("");
