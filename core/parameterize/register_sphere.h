@@ -71,6 +71,11 @@ struct SphereRegistration {
   std::vector<double> carried;
 };
 
+/// A point of a surface in the pieces of its face: in the one that it is deepest in. refined: of
+/// cut's faces. point: of `surface`. O(log F + pieces).
+SurfacePoint pointInPieces(const Connectivity& surface, const Subdivision& cut,
+                           const Connectivity& refined, const SurfacePoint& point);
+
 /// The positions of a surface as its map to the sphere, if they are that: closed, of genus 0, all
 /// of one distance from the origin to 1e-3 of it, and no face folded when seen from there, so that
 /// it is covered once. O(F log F).
