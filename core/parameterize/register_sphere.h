@@ -16,11 +16,13 @@
 
 /// Laying the sphere of one surface onto that of another, such as the halves of a brain.
 ///
-///   ASSIGN_OR_RETURN(const Parameterization a, parameterizeSphere(context, ...));
-///   ASSIGN_OR_RETURN(const Parameterization b, parameterizeSphere(context, ...));
-///   ASSIGN_OR_RETURN(const SphereRegistration registered,
-///                    registerSphere(context, {left, lengths, a, sulc}, {right, lengths_b, b,
-///                    sulc_b}, {.mirror = true}));
+///   ASSIGN_OR_RETURN(const Parameterization a, parameterizeSphere(context, left, ...));
+///   ASSIGN_OR_RETURN(const Parameterization b, parameterizeSphere(context, right, ...));
+///   SphereRegistrationOptions options;
+///   options.mirror = true;
+///   ASSIGN_OR_RETURN(const SphereRegistration laid,
+///                    registerSphere(context, {left, left_lengths, a, left_sulc},
+///                                   {right, right_lengths, b, right_sulc}, options));
 namespace moduli {
 
 /// A surface with its map to the sphere. Refers to its parts, which must live as long.
