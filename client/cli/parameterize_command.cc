@@ -268,8 +268,12 @@ Status runParameterize(Session& session, const Arguments& arguments) {
   RETURN_IF_ERROR(outputs.write(*result, mesh, *client));
   if (session.json()) return session.printJson(result->result);
   if (session.quiet()) return {};
-  const std::string written =
+  std::string written =
       arguments.has("output") ? writtenLine(arguments.text("output"), *result) : "";
+  if (arguments.has("carried")) {
+    written += safe(arguments.text("carried")) + ": " +
+               counted(static_cast<long long>(result->carried.size()), "value", "values") + "\n";
+  }
   return session.print(parameterizationReport(mesh.name(), result->result) + written);
 }
 

@@ -211,7 +211,6 @@ std::string domainLines(const v1::Parameterization& result) {
 }
 
 std::string registrationLines(const v1::RegistrationResult& registration) {
-  using Registration = v1::RegistrationResult;
   std::vector<std::string> parts;
   if (registration.landmarks() > 0) {
     parts.push_back(counted(registration.landmarks(), "landmark", "landmarks") + " met up to " +
@@ -225,12 +224,13 @@ std::string registrationLines(const v1::RegistrationResult& registration) {
   }
   if (registration.reference_is_sphere()) parts.emplace_back("onto the reference's own sphere");
   std::string text = joinedLine("registration", parts);
-  if (registration.field() == Registration::FIELD_UNSPECIFIED) return text;
-  return text + joinedLine(registration.field() == Registration::GIVEN ? "fields" : "area change",
-                           {"correlation " + brief(registration.correlation_before()) +
-                                " before and " + brief(registration.correlation_after()) + " after",
-                            "difference " + brief(registration.mean_absolute_difference()) +
-                                " on average"});
+  if (!registration.has_field()) return text;
+  return text +
+         joinedLine(
+             registration.field() == v1::RegistrationResult::GIVEN ? "fields" : "area change",
+             {"correlation " + brief(registration.correlation_before()) + " before and " +
+                  brief(registration.correlation_after()) + " after",
+              "difference " + brief(registration.mean_absolute_difference()) + " on average"});
 }
 
 std::string timeLine(const google::protobuf::Map<std::string, double>& timing) {

@@ -26,7 +26,10 @@ struct FineSphere {
   const Connectivity& surface() const { return refined ? *refined : given.surface; }
   const Points3& points() const { return given.map.sphere; }
 
-  SurfacePoint carried(const SurfacePoint& point) const;
+  SurfacePoint carried(const SurfacePoint& point) const {
+    if (!refined) return point;
+    return pointInPieces(given.surface, *given.map.subdivision, *refined, point);
+  }
 };
 
 Result<FineSphere> fineSphere(const MappedSphere& given, const char* name) {
@@ -78,32 +81,6 @@ Eigen::Vector3d weightsInFace(const Connectivity& surface, const Subdivision& cu
     return weights;
   }
   return weights;
-}
-
-/// The same point in the pieces of its face: in the one that it is deepest in.
-SurfacePoint FineSphere::carried(const SurfacePoint& point) const {
-  if (!refined) return point;
-  for (int c = 0; c < 3; ++c) {
-    if (point.barycentric[c] == 1) return vertexPoint(*refined, given.surface.face(point.face)[c]);
-  }
-  const Subdivision& cut = *given.map.subdivision;
-  const Eigen::Vector3d wanted(point.barycentric.data());
-  const auto [first, last] = std::equal_range(cut.parent.begin(), cut.parent.end(), point.face);
-  SurfacePoint best;
-  double depth = -std::numeric_limits<double>::infinity();
-  for (auto piece = first; piece != last; ++piece) {
-    const auto f = static_cast<Index>(piece - cut.parent.begin());
-    Eigen::Matrix3d corners;
-    for (int c = 0; c < 3; ++c) {
-      corners.col(c) = weightsInFace(given.surface, cut, point.face, cut.faces[f][c]);
-    }
-    const Eigen::Vector3d weights = corners.partialPivLu().solve(wanted);
-    if (!(weights.minCoeff() > depth)) continue;
-    depth = weights.minCoeff();
-    const Eigen::Vector3d inside = weights.cwiseMax(0) / weights.cwiseMax(0).sum();
-    best = {f, {inside[0], inside[1], inside[2]}};
-  }
-  return best;
 }
 
 /// The corner that a point is; kNone within edges and faces.
@@ -266,6 +243,30 @@ class SphereRegistering {
 };
 
 }  // namespace
+
+SurfacePoint pointInPieces(const Connectivity& surface, const Subdivision& cut,
+                           const Connectivity& refined, const SurfacePoint& point) {
+  for (int c = 0; c < 3; ++c) {
+    if (point.barycentric[c] == 1) return vertexPoint(refined, surface.face(point.face)[c]);
+  }
+  const Eigen::Vector3d wanted(point.barycentric.data());
+  const auto [first, last] = std::equal_range(cut.parent.begin(), cut.parent.end(), point.face);
+  SurfacePoint best;
+  double depth = -std::numeric_limits<double>::infinity();
+  for (auto piece = first; piece != last; ++piece) {
+    const auto f = static_cast<Index>(piece - cut.parent.begin());
+    Eigen::Matrix3d corners;
+    for (int c = 0; c < 3; ++c) {
+      corners.col(c) = weightsInFace(surface, cut, point.face, cut.faces[f][c]);
+    }
+    const Eigen::Vector3d weights = corners.partialPivLu().solve(wanted);
+    if (!(weights.minCoeff() > depth)) continue;
+    depth = weights.minCoeff();
+    const Eigen::Vector3d inside = weights.cwiseMax(0) / weights.cwiseMax(0).sum();
+    best = {f, {inside[0], inside[1], inside[2]}};
+  }
+  return best;
+}
 
 std::optional<Parameterization> asSphere(const Connectivity& surface,
                                          const std::vector<double>& lengths,

@@ -16,11 +16,13 @@
 
 /// Laying the sphere of one surface onto that of another, such as the halves of a brain.
 ///
-///   ASSIGN_OR_RETURN(const Parameterization a, parameterizeSphere(context, ...));
-///   ASSIGN_OR_RETURN(const Parameterization b, parameterizeSphere(context, ...));
-///   ASSIGN_OR_RETURN(const SphereRegistration registered,
-///                    registerSphere(context, {left, lengths, a, sulc}, {right, lengths_b, b,
-///                    sulc_b}, {.mirror = true}));
+///   ASSIGN_OR_RETURN(const Parameterization a, parameterizeSphere(context, left, ...));
+///   ASSIGN_OR_RETURN(const Parameterization b, parameterizeSphere(context, right, ...));
+///   SphereRegistrationOptions options;
+///   options.mirror = true;
+///   ASSIGN_OR_RETURN(const SphereRegistration laid,
+///                    registerSphere(context, {left, left_lengths, a, left_sulc},
+///                                   {right, right_lengths, b, right_sulc}, options));
 namespace moduli {
 
 /// A surface with its map to the sphere. Refers to its parts, which must live as long.
@@ -70,6 +72,11 @@ struct SphereRegistration {
   /// Per vertex of the surface the reference's field there; empty where it has none.
   std::vector<double> carried;
 };
+
+/// A point of a surface in the pieces of its face: in the one that it is deepest in. refined: of
+/// cut's faces. point: of `surface`. O(log F + pieces).
+SurfacePoint pointInPieces(const Connectivity& surface, const Subdivision& cut,
+                           const Connectivity& refined, const SurfacePoint& point);
 
 /// The positions of a surface as its map to the sphere, if they are that: closed, of genus 0, all
 /// of one distance from the origin to 1e-3 of it, and no face folded when seen from there, so that

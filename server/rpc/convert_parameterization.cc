@@ -83,7 +83,9 @@ v1::RegistrationResult toProto(const SphereRegistration& registration) {
     if (value && std::isfinite(*value)) (message.*field)(*value);
   };
   message.set_landmarks(registration.landmarks);
-  message.set_field(static_cast<Registration::Field>(static_cast<int>(registration.field)));
+  if (registration.field != ComparedField::kNothing) {
+    message.set_field(static_cast<Registration::Field>(static_cast<int>(registration.field)));
+  }
   set(&Registration::set_landmark_distance, registration.landmark_distance);
   set(&Registration::set_mean_beltrami, registration.mean_beltrami);
   set(&Registration::set_max_beltrami, registration.max_beltrami);

@@ -206,11 +206,15 @@ TriangleMesh withCaps(const TriangleMesh& mesh, double height) {
   return surfaces::mesh(std::move(soup));
 }
 
+/// A surface whose map to the sphere cuts faces.
+TriangleMesh cappedSurface() {
+  return withCaps(surfaces::mesh(surfaces::sample(
+                      "spheroid", {{"a", 1}, {"c", 2.5}, {"resolution", 4}, {"seed", 3}})),
+                  0.002);
+}
+
 TEST(RegisterSphere, CutFacesKeepTheirLandmarksAndValues) {
-  Mapped a =
-      mapped(withCaps(surfaces::mesh(surfaces::sample(
-                          "spheroid", {{"a", 1}, {"c", 2.5}, {"resolution", 4}, {"seed", 3}})),
-                      0.002));
+  Mapped a = mapped(cappedSurface());
   ASSERT_TRUE(a.map.subdivision) << "the test needs a map that cuts faces";
   for (const Eigen::Vector3d& p : a.mesh.positions()) a.field.push_back(p.x() + 2 * p.y());
   Mapped other = turned(a, 9);
@@ -239,6 +243,37 @@ TEST(RegisterSphere, CutFacesKeepTheirLandmarksAndValues) {
   // All landmarks were met by a rotation: nothing else has moved.
   EXPECT_LT(farthest(met->points, a.map.sphere), 1e-6);
   EXPECT_LT(*met->mean_beltrami, 1e-6);
+}
+
+TEST(PointInPieces, IsTheSamePointOfSpace) {
+  const Mapped a = mapped(cappedSurface());
+  ASSERT_TRUE(a.map.subdivision) << "the test needs a map that cuts faces";
+  const Subdivision& cut = *a.map.subdivision;
+  Points3 positions = a.mesh.positions();
+  for (const Subdivision::Vertex& vertex : cut.vertices) {
+    const Eigen::Vector3d tail = positions[a.surface().tail(vertex.halfedge)];
+    const Eigen::Vector3d head = positions[a.surface().head(vertex.halfedge)];
+    positions.push_back(tail + vertex.fraction * (head - tail));
+  }
+  const auto refined = Connectivity::fromFaces(static_cast<Index>(positions.size()), cut.faces);
+  ASSERT_OK(refined);
+  const auto place = [](const Connectivity& surface, const Points3& at, const SurfacePoint& point) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int c = 0; c < 3; ++c) sum += point.barycentric[c] * at[surface.face(point.face)[c]];
+    return sum;
+  };
+  for (Index f = 0; f < a.surface().faceCount(); ++f) {
+    for (const std::array<double, 3>& weights :
+         {std::array<double, 3>{1, 0, 0}, {0.2, 0.3, 0.5}, {0.9, 0.05, 0.05}, {0, 0.25, 0.75}}) {
+      const SurfacePoint point{f, weights};
+      const SurfacePoint piece = pointInPieces(a.surface(), cut, *refined, point);
+      ASSERT_OK(checkSurfacePoint(*refined, piece, "the piece's point"));
+      const double distance =
+          (place(a.surface(), positions, point) - place(*refined, positions, piece)).norm();
+      // Pieces may be thin: their weights lose what divides their height, some 1e-4 here.
+      EXPECT_LT(distance, 1e-10) << f;
+    }
+  }
 }
 
 TEST(AsSphere, TakesRoundSpheresAlone) {
