@@ -29,10 +29,14 @@
 #include "core/mesh/read.h"
 #include "core/mesh/samples.h"
 #include "core/mesh/write.h"
+#include "core/parameterize/circle_domain.h"
+#include "core/parameterize/disk.h"
+#include "core/parameterize/sphere.h"
 #include "core/retrieval/vector_index.h"
 #include "core/ricci/punctured_sphere.h"
 #include "core/ricci/uniformize.h"
 #include "core/signature/compute.h"
+#include "core/topology/surface_topology.h"
 #include "tests/bench/yardstick.h"
 
 namespace moduli {
@@ -221,6 +225,71 @@ void benchUniformize(benchmark::State& state, const std::shared_ptr<Case>& mesh)
   state.counters["chi"] = surface.eulerCharacteristic();
 }
 
+/// A map of a surface of genus 0: its cost, what it keeps of angles, and how it was found.
+void benchMap(benchmark::State& state, const std::shared_ptr<Case>& mesh,
+              const std::function<Result<Parameterization>(
+                  Context&, const Connectivity&, const std::vector<double>&,
+                  const std::vector<Eigen::Vector3d>&)>& map) {
+  const Connectivity& surface = mesh->prepared.mesh.connectivity();
+  std::map<std::string, double> stages;
+  MapCertificate certificate;
+  Index added = 0;
+  runTimed(state, *mesh, [&]() -> Status {
+    Context context;
+    ASSIGN_OR_RETURN(
+        const Parameterization found,
+        map(context, surface, mesh->prepared.mesh.edgeLengths(), mesh->prepared.mesh.positions()));
+    certificate = found.certificate;
+    if (found.subdivision) {
+      added = static_cast<Index>(found.subdivision->faces.size()) - surface.faceCount();
+    }
+    for (const auto& [stage, seconds] : context.timing()) stages[stage] += seconds;
+    return {};
+  });
+  for (const auto& [stage, seconds] : stages) count(state, stage, seconds, *mesh);
+  state.counters["K"] = certificate.quality.mean_dilatation;
+  state.counters["folds"] = certificate.quality.flipped_faces;
+  state.counters["added"] = added;
+  state.counters["steps"] = certificate.newton_iterations.value_or(0);
+  state.counters["faces"] = surface.faceCount();
+}
+
+template <typename Options>
+Options withMethod(MapMethod method) {
+  Options options;
+  options.method = method;
+  return options;
+}
+
+/// sphere/robust/..., disk/linear/... and so on: what the surface has.
+void registerMaps(const std::shared_ptr<Case>& mesh) {
+  const auto add = [&](const std::string& name, const auto& map) {
+    benchmark::RegisterBenchmark((name + "/" + mesh->name).c_str(),
+                                 [=](benchmark::State& state) { benchMap(state, mesh, map); })
+        ->UseManualTime()
+        ->Unit(benchmark::kMillisecond);
+  };
+  const SurfaceTopology topology = computeTopology(mesh->prepared.mesh.connectivity());
+  if (topology.genus != 0 || topology.components != 1) return;
+  const std::size_t loops = topology.boundary_loops.size();
+  for (const MapMethod method : {MapMethod::kRobust, MapMethod::kLinear, MapMethod::kHeatFlow}) {
+    if (loops == 0) {
+      add("sphere/" + methodName(method), [=](Context& context, const auto&... surface) {
+        return parameterizeSphere(context, surface..., withMethod<SphereOptions>(method));
+      });
+    } else if (loops == 1) {
+      add("disk/" + methodName(method), [=](Context& context, const auto&... surface) {
+        return parameterizeDisk(context, surface..., withMethod<DiskOptions>(method));
+      });
+    }
+  }
+  if (loops > 1) {
+    add("circles", [](Context& context, const auto&... surface) {
+      return parameterizeCircleDomain(context, surface...);
+    });
+  }
+}
+
 void registerMesh(const std::shared_ptr<Case>& mesh) {
   const auto add = [&](const char* stage,
                        void (*body)(benchmark::State&, const std::shared_ptr<Case>&)) {
@@ -236,6 +305,7 @@ void registerMesh(const std::shared_ptr<Case>& mesh) {
   if (mesh->prepared.mesh.connectivity().eulerCharacteristic() != 1) {
     add("uniformize", benchUniformize);
   }
+  registerMaps(mesh);
   add("signature", benchSignature);
 }
 
