@@ -12,6 +12,7 @@
 #include "core/parameterize/flat.h"
 #include "core/parameterize/rectangle.h"
 #include "core/parameterize/sphere.h"
+#include "server/rpc/convert.h"
 #include "server/rpc/convert_parameterization.h"
 #include "server/service/cones.h"
 #include "server/service/named_vertex.h"
