@@ -21,6 +21,7 @@
 #include "core/signature/spectra.h"
 #include "core/spherical/circle_domain_map.h"
 #include "core/spherical/face_frame.h"
+#include "core/spherical/robust_map.h"
 #include "core/spherical/sphere_map.h"
 #include "core/topology/surface_topology.h"
 
@@ -198,12 +199,12 @@ class SignatureBuilder {
     keepConformal(ConformalBlock());  // All spheres are conformally one.
     if (!wantsFields()) return {};
     RETURN_IF_ERROR(makeMetric());
-    ASSIGN_OR_RETURN(const SphereMap map, mapToSphereLinear(context_, surface(), lengths_));
+    ASSIGN_OR_RETURN(const SphereMap map, sphereMap());
     RETURN_IF_ERROR(certifySphere(map));
     std::vector<double> canonical(surface().faceCount());
     for (Index f = 0; f < surface().faceCount(); ++f) {
       const auto& [a, b, c] = surface().face(f);
-      canonical[f] = signedSolidAngle(map.points[a], map.points[b], map.points[c]);
+      canonical[f] = std::abs(signedSolidAngle(map.points[a], map.points[b], map.points[c]));
     }
     ASSIGN_OR_RETURN(const VertexFields fields, makeFields(canonical));
     const Context::Stage stage(context_, "spectra");
@@ -265,8 +266,21 @@ class SignatureBuilder {
     return {};
   }
 
+  /// The robust map, or the linear one where needles keep that from its end.
+  Result<SphereMap> sphereMap() {
+    Result<SphereMap> map =
+        mapToSphereRobust(context_, surface(), lengths_, unitPositions(), startsDelaunay());
+    if (map.status().reason() != Reason::kNoConvergence) return map;
+    return mapToSphereLinear(context_, surface(), lengths_);
+  }
+
   Status certifySphere(const SphereMap& map) {
     SignatureCertificate& certificate = signature_.certificate;
+    if (map.quality.flipped_faces > 0) {
+      certificate.warnings.push_back("FOLDED_MAP: the map to the sphere folds " +
+                                     std::to_string(map.quality.flipped_faces) +
+                                     " faces; the spectra depend on it a little");
+    }
     certificate.flipped_faces = map.quality.flipped_faces;
     certificate.max_dilatation = map.quality.max_dilatation;
     certificate.mean_dilatation = map.quality.mean_dilatation;

@@ -1,5 +1,6 @@
 #include "core/spherical/robust_map.h"
 
+#include <optional>
 #include <utility>
 
 #include "core/forms/cotan.h"
@@ -56,6 +57,33 @@ Result<IdealPolyhedron> mapToIdealPolyhedron(Context& context, const Connectivit
   ASSIGN_OR_RETURN(MobiusCentering centered, centerByMobius(context, std::move(points), areas));
   return IdealPolyhedron{std::move(centered.points), std::move(metric), layout.closure,
                          centered.residual};
+}
+
+Result<SphereMap> mapToSphereRobust(Context& context, const Connectivity& surface,
+                                    const std::vector<double>& lengths,
+                                    const std::vector<Eigen::Vector3d>& positions,
+                                    bool initial_delaunay) {
+  std::optional<SphereMap> best;
+  Status failure;
+  for (const bool start : {initial_delaunay, !initial_delaunay}) {
+    PuncturedSphereOptions options;
+    options.initial_delaunay = start;
+    Result<IdealPolyhedron> ideal =
+        mapToIdealPolyhedron(context, surface, lengths, positions, options);
+    if (!ideal.ok()) {
+      if (ideal.status().reason() != Reason::kNoConvergence) return ideal.status();
+      failure = ideal.status();
+      continue;
+    }
+    MapQuality quality = measureSphereMap(surface, lengths, ideal->points);
+    if (!best || quality.flipped_faces < best->quality.flipped_faces) {
+      best = SphereMap{std::move(ideal->points), std::move(quality), ideal->centering_residual,
+                       ideal->metric.metric.certificate.newton_iterations};
+    }
+    if (best->quality.flipped_faces == 0) break;
+  }
+  if (!best) return failure;
+  return *std::move(best);
 }
 
 std::vector<double> lightConeScales(const IntrinsicTriangulation& triangulation,

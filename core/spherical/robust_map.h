@@ -7,6 +7,7 @@
 #include "core/mesh/connectivity.h"
 #include "core/ricci/punctured_sphere.h"
 #include "core/spherical/mobius.h"
+#include "core/spherical/sphere_map.h"
 
 /// The robust map of genus-0 surfaces: a vertex at infinity, the discrete conformal flat metric
 /// with flips, inverse stereographic projection.
@@ -37,6 +38,14 @@ Result<IdealPolyhedron> mapToIdealPolyhedron(Context& context, const Connectivit
                                              const std::vector<double>& lengths,
                                              const std::vector<Eigen::Vector3d>& positions,
                                              const PuncturedSphereOptions& options = {});
+
+/// The same as a map of the surface's faces: from the given starting triangulation, or from the
+/// other one where that folds fewer faces. Some may be left, and `quality` counts them. Fails as
+/// mapToIdealPolyhedron does from both.
+Result<SphereMap> mapToSphereRobust(Context& context, const Connectivity& surface,
+                                    const std::vector<double>& lengths,
+                                    const std::vector<Eigen::Vector3d>& positions,
+                                    bool initial_delaunay = true);
 
 /// Per vertex a factor s such that sqrt(s_i s_j) |p_i - p_j| is proportional to the half chords of
 /// the triangulation before scaling, for its edges ij: the light-like vectors s_i (p_i, 1) stand
