@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "client/cli/gifti_output.h"
 #include "client/cli/output.h"
 #include "client/cli/parse.h"
 #include "client/cpp/connect.h"
@@ -118,6 +119,21 @@ TEST(Parse, AHundredThousandPathsAreNoTrouble) {
   for (int i = 0; i < 100000; ++i) words.push_back("meshes/" + std::to_string(i) + ".off");
   const cli::Request request = cli::parse(words);
   EXPECT_EQ(request.arguments.all("PATHS").size(), 100000U);
+}
+
+TEST(SphereGifti, TakesDoublesWhereFloatsWouldFoldAFace) {
+  ParameterizedMesh mesh;
+  mesh.positions = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  mesh.faces = {0, 1, 2};
+  const auto coarse = cli::sphereGifti(mesh, {}, "a.gii");
+  ASSERT_OK(coarse);
+  EXPECT_THAT(*coarse, testing::HasSubstr("NIFTI_TYPE_FLOAT32"));
+  // Two corners that float32 does not tell apart.
+  mesh.positions = {1, 0, 0, 0, 1, 0, 0, 1, 1e-50};
+  const auto fine = cli::sphereGifti(mesh, {}, "a.gii");
+  ASSERT_OK(fine);
+  EXPECT_THAT(*fine, testing::HasSubstr("NIFTI_TYPE_FLOAT64"));
+  EXPECT_THAT(*fine, testing::Not(testing::HasSubstr("NIFTI_TYPE_FLOAT32")));
 }
 
 }  // namespace
