@@ -65,9 +65,12 @@ class CircleDomainMapping {
     Status failure;
     std::optional<IdealPolyhedron> unflipped;
     std::vector<bool> folded;
+    IdealStart start;
     for (const bool initial_delaunay : {options_.initial_delaunay, !options_.initial_delaunay}) {
       PuncturedSphereOptions punctured;
       punctured.initial_delaunay = initial_delaunay;
+      punctured.infinity = start.infinity;
+      punctured.start = start.u;
       Result<IdealPolyhedron> ideal = mapToIdealPolyhedron(context_, capped_->connectivity,
                                                            capped_->lengths, positions_, punctured);
       failure = ideal.status();
@@ -77,6 +80,7 @@ class CircleDomainMapping {
       failure = roundLoops(ideal->points);
       if (failure.ok()) return std::move(result_);
       if (failure.reason() != Reason::kFoldedMap) return failure;
+      start = startOf(ideal->metric);
       if (initial_delaunay) continue;
       folded = folded_;
       unflipped = *std::move(ideal);

@@ -31,7 +31,7 @@ class IdealDiskMapping {
   Result<Parameterization> run() {
     for (const bool initial_delaunay : {options_.initial_delaunay, !options_.initial_delaunay}) {
       Result<IdealDisk> disk =
-          mapToIdealDisk(context_, surface_, lengths_, positions_, initial_delaunay);
+          mapToIdealDisk(context_, surface_, lengths_, positions_, initial_delaunay, start_);
       if (disk.status().reason() == Reason::kNoConvergence) {
         failure_ = disk.status();
         continue;
@@ -44,6 +44,7 @@ class IdealDiskMapping {
       if (count == 0) return keep(*disk, points);
       failure_ = foldedMap(options_.map, count, surface_.faceCount(),
                            "--refine auto cuts these faces; finer or less obtuse ones avoid it");
+      start_ = startOf(disk->polyhedron.metric);
       if (!initial_delaunay) unflipped_.emplace(*std::move(disk));
     }
     if (!unflipped_ || !options_.refine) return failure_;
@@ -125,6 +126,7 @@ class IdealDiskMapping {
   const std::vector<Eigen::Vector3d>& positions_;
   const IdealDiskMapOptions& options_;
   Status failure_;
+  IdealStart start_;
   std::optional<IdealDisk> unflipped_;  ///< Folds; all of its flips are by Ptolemy's relation.
 };
 

@@ -73,6 +73,7 @@ class SphereMapping {
       if (folded == 0) return keep(*ideal);
       failure_ = foldedMap(kMap, folded, surface_.faceCount(),
                            "--refine auto cuts these faces; finer or less obtuse ones avoid it");
+      start_ = startOf(ideal->metric);
       if (!initial_delaunay) unflipped_ = *std::move(ideal);
     }
     if (!unflipped_ || !options_.refine) return failure_;
@@ -82,6 +83,8 @@ class SphereMapping {
   Result<IdealPolyhedron> solve(bool initial_delaunay) {
     PuncturedSphereOptions options;
     options.initial_delaunay = initial_delaunay;
+    options.infinity = start_.infinity;
+    options.start = start_.u;
     return mapToIdealPolyhedron(context_, surface_, lengths_, positions_, options);
   }
 
@@ -147,8 +150,8 @@ class SphereMapping {
   const std::vector<Eigen::Vector3d>& positions_;
   const SphereOptions& options_;
   Status failure_;
-  std::optional<IdealPolyhedron>
-      unflipped_;  ///< Folds; all of its flips are by Ptolemy's relation.
+  IdealStart start_;
+  std::optional<IdealPolyhedron> unflipped_;  ///< Folds; all of its flips are by Ptolemy's relation.
   Parameterization result_;
 };
 

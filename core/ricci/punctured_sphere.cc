@@ -30,6 +30,8 @@ constexpr double kFineRegion = 1e-4;
 /// Real meshes take 4 to 10, stressed ones up to 20; another vertex at infinity is cheaper than
 /// more.
 constexpr int kMaxIterations = 40;
+/// Steps without a residual below all before: releases and joins go around in a circle.
+constexpr int kMaxIdle = 8;
 constexpr int kMaxShortenings = 30;
 constexpr int kMaxReleases = 200;
 constexpr double kMaxStep = 8;
@@ -47,7 +49,9 @@ class Solver {
   Status run(const Eigen::VectorXd& start) {
     RETURN_IF_ERROR(metric_.moveTo(context_, start));
     keep();
-    for (int n = 0; n < kMaxIterations; ++n) {
+    double least = residuals_.back();
+    int idle = 0;
+    for (int n = 0; n < kMaxIterations && idle <= kMaxIdle; ++n) {
       bool moved = false;
       if (!fine_ && residuals_.back() < kFineRegion) {
         // Changes of u far below its rounding are felt from here on.
@@ -58,10 +62,11 @@ class Solver {
       }
       if (residuals_.back() > kTolerance) {
         ASSIGN_OR_RETURN(moved, step());
-        if (!moved && residuals_.back() > kAcceptable) break;
       }
       ASSIGN_OR_RETURN(const bool released, releaseReflex(moved ? kEarlyRelease : 0));
       if (!moved && !released) break;
+      idle = residuals_.back() < least ? 0 : idle + 1;
+      least = std::min(least, residuals_.back());
     }
     return judge();
   }
@@ -133,26 +138,49 @@ class Solver {
 
   /// Takes the vertices off the link whose angle is above pi, by more than `ratio` times the
   /// residual; false if there are none. An angle that is wrong by more than all others is not going
-  /// to come right by itself.
+  /// to come right by itself. Vertices that a symmetry exchanges go together; those of which
+  /// rounding has put one on the link alone, too, or their unknown would stay held.
   Result<bool> releaseReflex(double ratio) {
     const double excess = std::max(kStraight, ratio * residuals_.back());
-    std::vector<Index> reflex;
+    std::vector<bool> reflex(metric_.unknowns().count, false), linked = reflex, free = reflex;
     for (Index v = 0; v < vertices(); ++v) {
-      if (metric_.isLinked(v) && metric_.angleSums()[v] > kPi + excess) reflex.push_back(v);
+      const Index n = metric_.unknowns().of_vertex[v];
+      if (metric_.isFree(v)) free[n] = true;
+      if (!metric_.isLinked(v)) continue;
+      linked[n] = true;
+      if (metric_.angleSums()[v] > kPi + excess) reflex[n] = true;
     }
-    bool any = false;
-    for (const Index v : reflex) {
+    std::vector<bool> moved(metric_.unknowns().count, false);
+    for (Index v = 0; v < vertices(); ++v) {
+      const Index n = metric_.unknowns().of_vertex[v];
+      if (!metric_.isLinked(v) || !(reflex[n] || (linked[n] && free[n]))) continue;
       if (releases_ >= kMaxReleases) break;
       if (!metric_.release(v)) continue;
       ++releases_;
-      any = true;
+      moved[n] = true;
     }
-    if (!any) return false;
-    RETURN_IF_ERROR(metric_.moveTo(context_, Eigen::VectorXd(metric_.u())));
+    if (std::find(moved.begin(), moved.end(), true) == moved.end()) return false;
+    RETURN_IF_ERROR(metric_.moveTo(context_, evened(moved)));
     metric_.accept();
     gradient_ = metric_.gradient();
     residuals_.back() = metric_.residual();
     return true;
+  }
+
+  /// u, where the vertices of these unknowns have the largest that one of them has.
+  Eigen::VectorXd evened(const std::vector<bool>& unknowns) const {
+    const auto base = [&](Index v) { return fine_ ? base_[v] : 0.0; };
+    std::vector<double> largest(unknowns.size(), -std::numeric_limits<double>::infinity());
+    Eigen::VectorXd u = metric_.u();
+    for (Index v = 0; v < vertices(); ++v) {
+      const Index n = metric_.unknowns().of_vertex[v];
+      largest[n] = std::max(largest[n], u[v] + base(v));
+    }
+    for (Index v = 0; v < vertices(); ++v) {
+      const Index n = metric_.unknowns().of_vertex[v];
+      if (unknowns[n]) u[v] = largest[n] - base(v);
+    }
+    return u;
   }
 
   /// Whether a vertex has two arcs to infinity: then the finite faces hang together at it only, in
@@ -401,10 +429,19 @@ Result<PuncturedSphereMetric> fromSpace(Context& context, const Connectivity& su
   for (double& length : half_chords) length *= unit;
   Start start{IntrinsicTriangulation(surface, half_chords),
               std::vector<double>(surface.vertexCount(), 0.0)};
-  const std::vector<Index> tries = triesOf(options, unknowns, start.triangulation, positions);
+  PuncturedSphereOptions free_choice = options;
+  if (!options.start.empty()) free_choice.infinity = kNone;
+  const std::vector<Index> tries = triesOf(free_choice, unknowns, start.triangulation, positions);
   if (options.initial_delaunay) {
     const Context::Stage stage(context, "delaunay");
     RETURN_IF_ERROR(flipToDelaunayIsometric(context, start.triangulation).status());
+  }
+  if (!options.start.empty()) {
+    Solver solver(context, start.triangulation, options.infinity, unknowns);
+    const Status solved =
+        solver.run(Eigen::Map<const Eigen::VectorXd>(options.start.data(), surface.vertexCount()));
+    if (solved.ok()) return describe(solver);
+    if (solved.reason() != Reason::kNoConvergence) return solved;
   }
   return search(context, start, unknowns, tries,
                 [&](Index infinity) { return spaceDistances(positions, unit, infinity); });
@@ -438,7 +475,9 @@ Result<PuncturedSphereMetric> uniformizePuncturedSphere(
         fromSpace(context, surface, lengths, positions, options, unknowns);
     if (found.status().reason() != Reason::kNoConvergence) return found;
   }
-  return fromCones(context, surface, lengths, options, unknowns);
+  PuncturedSphereOptions free_choice = options;
+  if (!options.start.empty()) free_choice.infinity = kNone;
+  return fromCones(context, surface, lengths, free_choice, unknowns);
 }
 
 }  // namespace moduli

@@ -25,6 +25,10 @@ struct PuncturedSphereOptions {
   /// Vertices that a symmetry of the surface exchanges share an unknown, and the vertex at infinity
   /// is one that it fixes. Empty: one unknown per vertex.
   Unknowns unknowns = {};
+  /// Per vertex factors to begin with, such as those found from the other starting triangulation of
+  /// the same lengths; with `infinity`. Empty: none. Where they do not help, the search goes on as
+  /// without them.
+  std::vector<double> start = {};
 };
 
 struct PuncturedSphereMetric {

@@ -87,7 +87,7 @@ std::complex<double> sphereToDisk(const Eigen::Vector3d& point) {
 Result<IdealDisk> mapToIdealDisk(Context& context, const Connectivity& surface,
                                  const std::vector<double>& lengths,
                                  const std::vector<Eigen::Vector3d>& positions,
-                                 bool initial_delaunay) {
+                                 bool initial_delaunay, const IdealStart& start) {
   ASSIGN_OR_RETURN(DoubleCover cover, doubleCover(surface));
   std::vector<Eigen::Vector3d> doubled = positions;
   if (!positions.empty()) {
@@ -99,6 +99,8 @@ Result<IdealDisk> mapToIdealDisk(Context& context, const Connectivity& surface,
   PuncturedSphereOptions options;
   options.initial_delaunay = initial_delaunay;
   options.unknowns = mirrorUnknowns(cover);
+  options.infinity = start.infinity;
+  options.start = start.u;
   ASSIGN_OR_RETURN(PuncturedSphereMetric metric,
                    uniformizePuncturedSphere(context, cover.connectivity,
                                              lengthsOnDouble(cover, lengths), doubled, options));

@@ -34,6 +34,6 @@ std::complex<double> sphereToDisk(const Eigen::Vector3d& point);
 Result<IdealDisk> mapToIdealDisk(Context& context, const Connectivity& surface,
                                  const std::vector<double>& lengths,
                                  const std::vector<Eigen::Vector3d>& positions,
-                                 bool initial_delaunay = true);
+                                 bool initial_delaunay = true, const IdealStart& start = {});
 
 }  // namespace moduli

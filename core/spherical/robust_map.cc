@@ -10,6 +10,10 @@
 
 namespace moduli {
 
+IdealStart startOf(const PuncturedSphereMetric& metric) {
+  return {metric.infinity, metric.metric.u};
+}
+
 PuncturedLayout layOutPunctured(const PuncturedSphereMetric& punctured) {
   const IntrinsicTriangulation& triangulation = punctured.metric.triangulation;
   const Index count = triangulation.halfedgeCount();
@@ -65,9 +69,12 @@ Result<SphereMap> mapToSphereRobust(Context& context, const Connectivity& surfac
                                     bool initial_delaunay) {
   std::optional<SphereMap> best;
   Status failure;
-  for (const bool start : {initial_delaunay, !initial_delaunay}) {
+  IdealStart start;
+  for (const bool delaunay : {initial_delaunay, !initial_delaunay}) {
     PuncturedSphereOptions options;
-    options.initial_delaunay = start;
+    options.initial_delaunay = delaunay;
+    options.infinity = start.infinity;
+    options.start = start.u;
     Result<IdealPolyhedron> ideal =
         mapToIdealPolyhedron(context, surface, lengths, positions, options);
     if (!ideal.ok()) {
@@ -75,6 +82,7 @@ Result<SphereMap> mapToSphereRobust(Context& context, const Connectivity& surfac
       failure = ideal.status();
       continue;
     }
+    start = startOf(ideal->metric);
     MapQuality quality = measureSphereMap(surface, lengths, ideal->points);
     if (!best || quality.flipped_faces < best->quality.flipped_faces) {
       best = SphereMap{std::move(ideal->points), std::move(quality), ideal->centering_residual,

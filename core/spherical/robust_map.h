@@ -29,6 +29,13 @@ struct PuncturedLayout {
 };
 PuncturedLayout layOutPunctured(const PuncturedSphereMetric& metric);
 
+/// Where a search for another triangulation of the same surface may begin: a metric found already.
+struct IdealStart {
+  Index infinity = kNone;
+  std::vector<double> u;  ///< Per vertex of what was mapped (of the double, for a disk).
+};
+IdealStart startOf(const PuncturedSphereMetric& metric);
+
 /// The discrete uniformization of a closed connected surface of genus 0, Möbius-centred with the
 /// vertex areas of its metric: unique up to a rotation, and independent of the vertex that goes to
 /// infinity. lengths, positions, options: as uniformizePuncturedSphere's. Whether the surface's own
