@@ -2,11 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/base/text.h"
 #include "core/mesh/deflate.h"
@@ -22,23 +25,22 @@ std::string lowerCase(std::string text) {
 
 /// Six times the volume of the tetrahedron over a face, with the centre of the sphere: positive
 /// where the face does not fold. Differences of near numbers of float32 have no error.
-template <typename Rounding>
-double volume(const ParameterizedMesh& mesh, std::size_t face, const Rounding& rounding) {
+template <typename Number>
+double volume(const std::vector<Number>& positions, const std::int32_t* face) {
   std::array<Eigen::Vector3d, 3> p;
   for (std::size_t c = 0; c < 3; ++c) {
-    for (int i = 0; i < 3; ++i) {
-      p[c][i] =
-          rounding(mesh.positions[3 * static_cast<std::size_t>(mesh.faces[3 * face + c]) + i]);
-    }
+    const auto at = 3 * static_cast<std::size_t>(face[c]);
+    p[c] = Eigen::Vector3d(positions[at], positions[at + 1], positions[at + 2]);
   }
   return p[0].dot((p[1] - p[0]).cross(p[2] - p[0]));
 }
 
 bool foldsAsFloats(const ParameterizedMesh& mesh) {
-  const auto same = [](double x) { return x; };
-  const auto rounded = [](double x) { return static_cast<double>(static_cast<float>(x)); };
-  for (std::size_t f = 0; f < mesh.faces.size() / 3; ++f) {
-    if (volume(mesh, f, same) > 0 && !(volume(mesh, f, rounded) > 0)) return true;
+  std::vector<float> rounded;
+  for (const double x : mesh.positions) rounded.push_back(static_cast<float>(x));
+  for (std::size_t f = 0; f + 2 < mesh.faces.size(); f += 3) {
+    const std::int32_t* face = mesh.faces.data() + f;
+    if (volume(mesh.positions, face) > 0 && !(volume(rounded, face) > 0)) return true;
   }
   return false;
 }

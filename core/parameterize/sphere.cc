@@ -151,7 +151,8 @@ class SphereMapping {
   const SphereOptions& options_;
   Status failure_;
   IdealStart start_;
-  std::optional<IdealPolyhedron> unflipped_;  ///< Folds; all of its flips are by Ptolemy's relation.
+  std::optional<IdealPolyhedron>
+      unflipped_;  ///< Folds; all of its flips are by Ptolemy's relation.
   Parameterization result_;
 };
 
