@@ -72,8 +72,19 @@ Result<Parameterization> parameterizeDisk(Context& context, const Connectivity& 
         break;
     }
     const auto domain = [&](const IdealDisk&) -> Result<DiskImage> { return lastMap(options); };
-    return mapThroughIdealDisk(context, surface, mollified.lengths, positions,
-                               {kMap, options.initial_delaunay, options.refine, domain});
+    Result<Parameterization> robust =
+        mapThroughIdealDisk(context, surface, mollified.lengths, positions,
+                            {kMap, options.initial_delaunay, options.refine, domain});
+    if (options.method == MapMethod::kRobust ||
+        robust.status().reason() != Reason::kNoConvergence) {
+      return robust;
+    }
+    // Clusters of needles; harmonic maps have no trouble with them.
+    DiskOptions linear = options;
+    linear.method = MapMethod::kLinear;
+    Result<Parameterization> other = wrapped(mapToDiskLinear(context, surface, mollified.lengths),
+                                             linear, surface, mollified.lengths);
+    return other.status().reason() == Reason::kFoldedMap ? robust : other;
   }();
   RETURN_IF_ERROR(result.status());
   result->certificate.mollification = mollified.relative_shift;

@@ -17,10 +17,10 @@ namespace moduli {
 
 /// How a map of a surface of genus 0 is found.
 enum class MapMethod : std::uint8_t {
-  kAuto,      ///< Robust; another start, then finer faces, where the map folds.
+  kAuto,      ///< Robust; linear where needles keep that from its end.
   kHeatFlow,  ///< Harmonic map by heat flow from the Gauss map.
   kLinear,    ///< Linear solves alone: fast, may fold.
-  kRobust,    ///< Vertex scaling with flips, a vertex at infinity.
+  kRobust,    ///< Vertex scaling with flips, a vertex at infinity; finer faces where it folds.
 };
 /// "auto", "heat-flow", "linear" or "robust".
 std::string methodName(MapMethod method);

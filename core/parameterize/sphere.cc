@@ -37,11 +37,17 @@ class SphereMapping {
         return linear();
       case MapMethod::kHeatFlow:
         return heatFlow();
-      case MapMethod::kAuto:
       case MapMethod::kRobust:
+        return robust();
+      case MapMethod::kAuto:
         break;
     }
-    return robust();
+    const Status status = robust();
+    if (status.reason() != Reason::kNoConvergence) return status;
+    // Clusters of needles; harmonic maps have no trouble with them.
+    result_ = Parameterization();
+    const Status other = linear();
+    return other.reason() == Reason::kFoldedMap ? status : other;
   }
 
   Status linear() {
