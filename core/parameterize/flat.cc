@@ -257,9 +257,7 @@ class Flattening {
       return {Reason::kFoldedMap,
               "the flat layout turns over " + std::to_string(flipped) + " of " +
                   std::to_string(surface_.faceCount()) + " faces",
-              "start from the other triangulation (initial Delaunay " +
-                  std::string(options_.initial_delaunay ? "off" : "on") +
-                  "), refine the mesh there, or spread the curvature over more cones"};
+              "refine the mesh there, or spread the curvature over more cones"};
     }
     const double scale = std::sqrt(area / image);
     for (std::complex<double>& point : result_.points) point *= scale;
@@ -283,9 +281,15 @@ Result<Parameterization> parameterizeFlat(Context& context, const Connectivity& 
                                           const std::vector<double>& lengths,
                                           const FlatOptions& options) {
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
-  ASSIGN_OR_RETURN(Parameterization result,
-                   Flattening(context, surface, mollified.lengths, options).run());
-  result.certificate.mollification = mollified.relative_shift;
+  Result<Parameterization> result = Flattening(context, surface, mollified.lengths, options).run();
+  if (result.status().reason() == Reason::kFoldedMap && options.scheme == Scheme::kVertexScaling) {
+    FlatOptions other = options;
+    other.initial_delaunay = !options.initial_delaunay;
+    Result<Parameterization> second = Flattening(context, surface, mollified.lengths, other).run();
+    if (second.status().reason() != Reason::kFoldedMap) result = std::move(second);
+  }
+  RETURN_IF_ERROR(result.status());
+  result->certificate.mollification = mollified.relative_shift;
   return result;
 }
 

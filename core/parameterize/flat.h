@@ -17,7 +17,8 @@ struct FlatOptions {
   BoundaryRule boundary = BoundaryRule::kFree;
   Scheme scheme = Scheme::kVertexScaling;
   RicciSolver solver = RicciSolver::kNewton;
-  bool initial_delaunay = true;  ///< Isometric Delaunay flips first (vertex scaling only).
+  /// Isometric Delaunay flips first (vertex scaling only); the other way is tried where this folds.
+  bool initial_delaunay = true;
 };
 
 /// Finds the discrete conformal metric that is flat but for the given cones and lays it out along a

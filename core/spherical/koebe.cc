@@ -249,7 +249,10 @@ void transform(CircleDomain& domain, const DiskTranslation& map) {
 void turn(CircleDomain& domain, Complex direction) {
   const Complex factor = std::conj(direction) / std::abs(direction);
   for (Complex& z : domain.points) z *= factor;
-  for (Circle& circle : domain.circles) circle.center *= factor;
+  for (Circle& circle : domain.circles) {
+    const Complex center = factor * circle.center;
+    circle.center = {center.real() + 0.0, center.imag() + 0.0};  // No -0.
+  }
 }
 
 /// The outer circle becomes the unit circle.

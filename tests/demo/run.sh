@@ -60,5 +60,13 @@ say "9. Plates with two holes, by the periods of their doubles"
 "$moduli" search -c demo "$out/meshes/plates/two-holes-4.ply" --space conformal -k 3 \
   --picture "$out/search-plates.png"
 
+say "10. Maps without a fold: to the sphere, to a disk with round holes, to the plane"
+"$moduli" parameterize "$out/meshes/spheres/ellipsoid.ply" --to sphere -o "$out/sphere.obj" \
+  --picture "$out/map-sphere.png"
+"$moduli" parameterize "$out/meshes/plates/two-holes-4.ply" --to circle-domain \
+  -o "$out/circles.obj" --picture "$out/map-circles.png"
+"$moduli" parameterize "$out/meshes/tori/torus-2.ply" --to flat -o "$out/flat.obj" \
+  --picture "$out/map-flat.png"
+
 say "Done. Look at:"
 ls "$out"/*.png
