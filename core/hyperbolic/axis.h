@@ -4,8 +4,9 @@
 
 namespace moduli {
 
-/// A directed geodesic by its unit normal in Minkowski space, -t^2 + x^2 + y^2 = 1: linear where
-/// the disk is not, so that sides, angles and distances need no points at infinity.
+/// A directed geodesic by its unit normal to the left in Minkowski space, -time^2 + |space|^2 = 1:
+/// linear where the disk is not, so that sides, angles and distances need no points at infinity.
+/// The diameter from -1 to 1 is {0, i}.
 struct Axis {
   double time = 0;
   Complex space;
@@ -19,8 +20,8 @@ Axis axisOf(const Su11& g);
 /// sinh of the distance of a point of the disk from the axis, positive on its left.
 double sideOf(const Axis& axis, Complex point);
 
-/// The cosine of the angle between axes that cross; otherwise +-cosh of their distance, negative
-/// where they run against each other with what lies between on the same side of both.
+/// The cosine of the angle between axes that cross; otherwise +-cosh of their distance, positive
+/// where one lies on the left of the other and the other on its right.
 double product(const Axis& a, const Axis& b);
 
 /// The axis carried along by an isometry.

@@ -44,8 +44,13 @@ std::vector<Candidate> candidates(const OrbitPolygon& polygon, const OrbitBall& 
     if (std::abs(g.a.real()) > cosine || !meetsPolygon(polygon, axisOf(g), kTouching)) continue;
     result.push_back({translationLength(g), i});
   }
-  std::stable_sort(result.begin(), result.end(),
-                   [](const Candidate& x, const Candidate& y) { return x.length < y.length; });
+  const auto byLength = [](const Candidate& x, const Candidate& y) { return x.length < y.length; };
+  const auto byIndex = [](const Candidate& x, const Candidate& y) { return x.index < y.index; };
+  std::sort(result.begin(), result.end(), byLength);
+  for (auto first = result.begin(), last = first; first != result.end(); first = last) {
+    while (last != result.end() && last->length <= first->length * (1 + kLengthTolerance)) ++last;
+    std::sort(first, last, byIndex);
+  }
   return result;
 }
 
@@ -66,6 +71,23 @@ Status needLength(double length) {
 }
 
 }  // namespace
+
+Su11 carriedToPolygon(const OrbitPolygon& polygon, const Su11& element) {
+  // While the point of the axis that is nearest to 0 is outside, it is nearer to a neighbour of 0.
+  Su11 g = renormalized(inverse(polygon.base) * element * polygon.base);
+  for (bool nearer = true; nearer;) {
+    nearer = false;
+    const double distance = std::abs(axisOf(g).time);
+    for (const GroupElement& s : polygon.pairings) {
+      const Su11 other = renormalized(inverse(s.map) * g * s.map);
+      if (std::abs(axisOf(other).time) > distance * (1 - 1e-9) - 1e-12) continue;
+      g = other;
+      nearer = true;
+      break;
+    }
+  }
+  return g;
+}
 
 std::vector<Su11> conjugatesAcross(const OrbitPolygon& polygon, const Su11& element, double slack) {
   std::vector<Su11> found{element};
@@ -104,6 +126,9 @@ Result<LengthSpectrum> lengthSpectrum(Context& context, const OrbitPolygon& poly
     for (const Su11& h : conjugatesAcross(polygon, g, kFollowing)) enterPowers(known, h, powers);
     spectrum.geodesics.push_back({candidate.length, g, ball.wordOf(polygon, candidate.index)});
   }
+  std::stable_sort(
+      spectrum.geodesics.begin(), spectrum.geodesics.end(),
+      [](const ClosedGeodesic& x, const ClosedGeodesic& y) { return x.length < y.length; });
   return spectrum;
 }
 

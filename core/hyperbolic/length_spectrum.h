@@ -54,6 +54,11 @@ Result<LengthSpectrum> lengthSpectrum(Context& context, const OrbitPolygon& poly
 Result<LengthSpectrum> systoles(Context& context, const OrbitPolygon& polygon,
                                 const SpectrumOptions& options = {});
 
+/// A conjugate, in the polygon's coordinates, of an element in those of the generators: one whose
+/// axis passes the polygon. O(n p) for an axis n polygons away and p pairings.
+/// Precondition: translationLength(element) > 0.
+Su11 carriedToPolygon(const OrbitPolygon& polygon, const Su11& element);
+
 /// All conjugates of an element whose axes pass the polygon at a sinh of distance of at most
 /// `slack`; element: with an axis that does. The axes are the lifts to the polygon of one directed
 /// closed geodesic. O(n p) for n conjugates and p pairings.

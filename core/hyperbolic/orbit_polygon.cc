@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
@@ -12,23 +13,29 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 /// An orbit point this near to 0 is 0 itself, up to rounding.
 constexpr double kSamePoint = 1e-6;
+/// And a product relative to the sizes of its factors.
+constexpr double kSameProduct = 1e-8;
 constexpr double kAreaTolerance = 1e-6;
 /// Areas that agree to this need no further products, which would cut off slivers.
 constexpr double kAreaReached = 1e-10;
 /// Rounding of the generators, more than this leaves no doubt that they are another group's.
 constexpr double kAreaOfRounding = 1e-2;
+constexpr double kRounding = 2.3e-16;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 using Elements = std::vector<GroupElement>;
 
 GroupElement inverseOf(const GroupElement& g) {
-  return {inverse(g.map), inverseWord(g.word)};
+  return {inverse(g.map), inverseWord(g.word), g.error};
 }
 
 GroupElement productOf(const GroupElement& g, const GroupElement& h) {
   Word word = g.word;
   word.insert(word.end(), h.word.begin(), h.word.end());
-  return {renormalized(g.map * h.map), reduceWord(word)};
+  const double size_g = std::abs(g.map.a);
+  const double size_h = std::abs(h.map.a);
+  return {renormalized(g.map * h.map), reduceWord(word),
+          size_g * h.error + size_h * g.error + kRounding * size_g * size_h};
 }
 
 /// A convex polygon in Klein's model, where geodesics are straight; the side from corner i to the
@@ -76,7 +83,10 @@ bool cutOff(Cell& cell, const Su11& g, int label) {
   return true;
 }
 
-Cell cellOf(const Elements& elements) {
+/// The most exact elements come first, so that others of the same sides cut off slivers at most.
+Cell cellOf(Elements& elements) {
+  std::stable_sort(elements.begin(), elements.end(),
+                   [](const GroupElement& g, const GroupElement& h) { return g.error < h.error; });
   Cell cell;
   for (std::size_t i = 0; i < elements.size(); ++i)
     cutOff(cell, elements[i].map, static_cast<int>(i));
@@ -103,12 +113,16 @@ double areaOf(const Cell& cell) {
   return area;
 }
 
-/// The elements of the sides, and their inverses.
+/// The elements of the sides, and their inverses; of those that are the same up to rounding the
+/// ones that are rounded least.
 Elements neighboursOf(const Cell& cell, const Elements& elements) {
   Elements result;
   const auto add = [&result](GroupElement g) {
-    for (const GroupElement& h : result)
-      if (distanceUpToSign(g.map, h.map) < kSamePoint * std::abs(g.map.a)) return;
+    for (GroupElement& h : result) {
+      if (distanceUpToSign(g.map, h.map) > kSamePoint * std::abs(g.map.a)) continue;
+      if (g.error < h.error) h = std::move(g);
+      return;
+    }
     result.push_back(std::move(g));
   };
   for (const int side : cell.side) {
@@ -136,29 +150,35 @@ GroupElement descend(GroupElement g, const Elements& neighbours) {
   }
 }
 
-/// Fails unless g is 1 or shifts along an axis.
-Status needTranslation(const Su11& g) {
-  if (distanceToUnit(g) < 10 * kSamePoint || std::abs(g.a.real()) > 1) return {};
+/// Fails unless g shifts along an axis.
+Status needTranslation(const GroupElement& g) {
+  if (std::abs(g.map.a.real()) > 1) return {};
+  // Near 1 an element of an axis may have lost it.
+  if (g.error > kSamePoint && std::abs(g.map.a.real()) > 1 - kAreaOfRounding)
+    return {Reason::kResidualTooLarge, "rounding of the generators hides which elements are 1",
+            "give generators that move the centre of the disk less"};
   return {Reason::kInvalidOption, "an element of the group has half trace " +
-                                      std::to_string(g.a.real()) +
+                                      std::to_string(g.map.a.real()) +
                                       ", but a closed surface's elements are translations"};
 }
 
 /// The neighbours, their products, and what remains of the generators.
 Result<Elements> grow(const Elements& neighbours, const Elements& generators) {
   Elements result = neighbours;
-  const auto add = [&result](GroupElement g) -> Status {
-    RETURN_IF_ERROR(needTranslation(g.map));
-    if (std::abs(g.map.b) > kSamePoint) result.push_back(std::move(g));
+  const auto add = [&result](GroupElement g, double factors) -> Status {
+    if (distanceToUnit(g.map) < kSamePoint + kSameProduct * factors) return {};
+    RETURN_IF_ERROR(needTranslation(g));
+    result.push_back(std::move(g));
     return {};
   };
   for (const GroupElement& generator : generators) {
     GroupElement rest = descend(generator, neighbours);
-    RETURN_IF_ERROR(add(inverseOf(rest)));
-    RETURN_IF_ERROR(add(std::move(rest)));
+    RETURN_IF_ERROR(add(inverseOf(rest), std::abs(generator.map.a)));
+    RETURN_IF_ERROR(add(std::move(rest), std::abs(generator.map.a)));
   }
   for (const GroupElement& g : neighbours)
-    for (const GroupElement& h : neighbours) RETURN_IF_ERROR(add(productOf(g, h)));
+    for (const GroupElement& h : neighbours)
+      RETURN_IF_ERROR(add(productOf(g, h), std::abs(g.map.a * h.map.a)));
   return result;
 }
 
@@ -243,7 +263,11 @@ void shorten(Elements& generators) {
 }
 
 void moveBase(Elements& elements, const Su11& move) {
-  for (GroupElement& g : elements) g.map = renormalized(inverse(move) * g.map * move);
+  const double size = std::norm(move.a);
+  for (GroupElement& g : elements) {
+    g.map = renormalized(inverse(move) * g.map * move);
+    g.error += kRounding * size * std::abs(g.map.a);
+  }
 }
 
 double squaredSines(const Elements& elements, const Su11& move) {
@@ -278,7 +302,10 @@ double reachOf(const Domain& domain) {
 }
 
 /// Moves the base point by a pattern of steps, ever smaller, to where the polygon reaches less far.
-Result<Domain> improveBase(Context& context, Domain domain, int genus, Su11& base) {
+/// first: elements about the point where it starts, which stay more exact than what comes of them
+/// by many moves; moved: the sum of these.
+Result<Domain> improveBase(Context& context, Domain domain, int genus, const Elements& first,
+                           Su11& moved) {
   constexpr int kDirections = 6;
   double reach = reachOf(domain);
   for (double step = reach / 3; step > 0.05; step /= 2) {
@@ -288,13 +315,17 @@ Result<Domain> improveBase(Context& context, Domain domain, int genus, Su11& bas
       for (int k = 0; k < kDirections; ++k) {
         const Su11 move =
             translationTo(std::polar(std::tanh(step / 2), 0.1 + 2 * kPi * k / kDirections));
-        Elements moved = domain.neighbours;
-        moveBase(moved, move);
-        ASSIGN_OR_RETURN(Domain candidate, closeDomain(context, std::move(moved), genus));
+        const Su11 sum = renormalized(moved * move);
+        Elements elements = domain.neighbours;
+        moveBase(elements, move);
+        Elements again = first;
+        moveBase(again, sum);
+        std::move(again.begin(), again.end(), std::back_inserter(elements));
+        ASSIGN_OR_RETURN(Domain candidate, closeDomain(context, std::move(elements), genus));
         if (reachOf(candidate) > reach - 1e-3) continue;
         reach = reachOf(candidate);
         domain = std::move(candidate);
-        base = base * move;
+        moved = sum;
         better = true;
         break;
       }
@@ -313,9 +344,11 @@ Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<Su11>& gen
   const Context::Stage stage(context, "orbit polygon");
   Elements elements;
   for (std::size_t k = 0; k < generators.size(); ++k) {
-    RETURN_IF_ERROR(needTranslation(generators[k]));
     if (distanceToUnit(generators[k]) < kSamePoint) continue;
-    elements.push_back({renormalized(generators[k]), {static_cast<int>(k) + 1}});
+    elements.push_back({renormalized(generators[k]),
+                        {static_cast<int>(k) + 1},
+                        kRounding * std::abs(generators[k].a)});
+    RETURN_IF_ERROR(needTranslation(elements.back()));
   }
   OrbitPolygon polygon;
   polygon.genus = genus;
@@ -323,9 +356,11 @@ Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<Su11>& gen
   shorten(elements);
   polygon.base = polygon.base * firstBase(elements);
   for (std::size_t k = elements.size(); k-- > 0;) elements.push_back(inverseOf(elements[k]));
-  ASSIGN_OR_RETURN(Domain domain, closeDomain(context, std::move(elements), genus));
-  ASSIGN_OR_RETURN(domain, improveBase(context, std::move(domain), genus, polygon.base));
-  polygon.base = renormalized(polygon.base);
+  ASSIGN_OR_RETURN(Domain domain, closeDomain(context, elements, genus));
+  elements.insert(elements.end(), domain.neighbours.begin(), domain.neighbours.end());
+  Su11 moved;
+  ASSIGN_OR_RETURN(domain, improveBase(context, std::move(domain), genus, elements, moved));
+  polygon.base = renormalized(polygon.base * moved);
   polygon.pairings = std::move(domain.neighbours);
   for (const Complex& corner : domain.cell.corner) polygon.corners.push_back(diskPoint(corner));
   polygon.radius = reachOf(domain);
