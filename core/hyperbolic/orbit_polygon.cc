@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
@@ -13,29 +12,23 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 /// An orbit point this near to 0 is 0 itself, up to rounding.
 constexpr double kSamePoint = 1e-6;
-/// And a product relative to the sizes of its factors.
-constexpr double kSameProduct = 1e-8;
 constexpr double kAreaTolerance = 1e-6;
 /// Areas that agree to this need no further products, which would cut off slivers.
 constexpr double kAreaReached = 1e-10;
 /// Rounding of the generators, more than this leaves no doubt that they are another group's.
 constexpr double kAreaOfRounding = 1e-2;
-constexpr double kRounding = 2.3e-16;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 using Elements = std::vector<GroupElement>;
 
 GroupElement inverseOf(const GroupElement& g) {
-  return {inverse(g.map), inverseWord(g.word), g.error};
+  return {inverse(g.map), inverseWord(g.word)};
 }
 
 GroupElement productOf(const GroupElement& g, const GroupElement& h) {
   Word word = g.word;
   word.insert(word.end(), h.word.begin(), h.word.end());
-  const double size_g = std::abs(g.map.a);
-  const double size_h = std::abs(h.map.a);
-  return {renormalized(g.map * h.map), reduceWord(word),
-          size_g * h.error + size_h * g.error + kRounding * size_g * size_h};
+  return {renormalized(g.map * h.map), reduceWord(word)};
 }
 
 /// A convex polygon in Klein's model, where geodesics are straight; the side from corner i to the
@@ -83,10 +76,7 @@ bool cutOff(Cell& cell, const Su11& g, int label) {
   return true;
 }
 
-/// The most exact elements come first, so that others of the same sides cut off slivers at most.
-Cell cellOf(Elements& elements) {
-  std::stable_sort(elements.begin(), elements.end(),
-                   [](const GroupElement& g, const GroupElement& h) { return g.error < h.error; });
+Cell cellOf(const Elements& elements) {
   Cell cell;
   for (std::size_t i = 0; i < elements.size(); ++i)
     cutOff(cell, elements[i].map, static_cast<int>(i));
@@ -113,16 +103,12 @@ double areaOf(const Cell& cell) {
   return area;
 }
 
-/// The elements of the sides, and their inverses; of those that are the same up to rounding the
-/// ones that are rounded least.
+/// The elements of the sides, and their inverses.
 Elements neighboursOf(const Cell& cell, const Elements& elements) {
   Elements result;
   const auto add = [&result](GroupElement g) {
-    for (GroupElement& h : result) {
-      if (distanceUpToSign(g.map, h.map) > kSamePoint * std::abs(g.map.a)) continue;
-      if (g.error < h.error) h = std::move(g);
-      return;
-    }
+    for (const GroupElement& h : result)
+      if (distanceUpToSign(g.map, h.map) < kSamePoint * std::abs(g.map.a)) return;
     result.push_back(std::move(g));
   };
   for (const int side : cell.side) {
@@ -150,35 +136,29 @@ GroupElement descend(GroupElement g, const Elements& neighbours) {
   }
 }
 
-/// Fails unless g shifts along an axis.
-Status needTranslation(const GroupElement& g) {
-  if (std::abs(g.map.a.real()) > 1) return {};
-  // Near 1 an element of an axis may have lost it.
-  if (g.error > kSamePoint && std::abs(g.map.a.real()) > 1 - kAreaOfRounding)
-    return {Reason::kResidualTooLarge, "rounding of the generators hides which elements are 1",
-            "give generators that move the centre of the disk less"};
+/// Fails unless g is 1 or shifts along an axis.
+Status needTranslation(const Su11& g) {
+  if (distanceToUnit(g) < 10 * kSamePoint || std::abs(g.a.real()) > 1) return {};
   return {Reason::kInvalidOption, "an element of the group has half trace " +
-                                      std::to_string(g.map.a.real()) +
+                                      std::to_string(g.a.real()) +
                                       ", but a closed surface's elements are translations"};
 }
 
 /// The neighbours, their products, and what remains of the generators.
 Result<Elements> grow(const Elements& neighbours, const Elements& generators) {
   Elements result = neighbours;
-  const auto add = [&result](GroupElement g, double factors) -> Status {
-    if (distanceToUnit(g.map) < kSamePoint + kSameProduct * factors) return {};
-    RETURN_IF_ERROR(needTranslation(g));
-    result.push_back(std::move(g));
+  const auto add = [&result](GroupElement g) -> Status {
+    RETURN_IF_ERROR(needTranslation(g.map));
+    if (std::abs(g.map.b) > kSamePoint) result.push_back(std::move(g));
     return {};
   };
   for (const GroupElement& generator : generators) {
     GroupElement rest = descend(generator, neighbours);
-    RETURN_IF_ERROR(add(inverseOf(rest), std::abs(generator.map.a)));
-    RETURN_IF_ERROR(add(std::move(rest), std::abs(generator.map.a)));
+    RETURN_IF_ERROR(add(inverseOf(rest)));
+    RETURN_IF_ERROR(add(std::move(rest)));
   }
   for (const GroupElement& g : neighbours)
-    for (const GroupElement& h : neighbours)
-      RETURN_IF_ERROR(add(productOf(g, h), std::abs(g.map.a * h.map.a)));
+    for (const GroupElement& h : neighbours) RETURN_IF_ERROR(add(productOf(g, h)));
   return result;
 }
 
@@ -263,11 +243,7 @@ void shorten(Elements& generators) {
 }
 
 void moveBase(Elements& elements, const Su11& move) {
-  const double size = std::norm(move.a);
-  for (GroupElement& g : elements) {
-    g.map = renormalized(inverse(move) * g.map * move);
-    g.error += kRounding * size * std::abs(g.map.a);
-  }
+  for (GroupElement& g : elements) g.map = renormalized(inverse(move) * g.map * move);
 }
 
 double squaredSines(const Elements& elements, const Su11& move) {
@@ -302,10 +278,7 @@ double reachOf(const Domain& domain) {
 }
 
 /// Moves the base point by a pattern of steps, ever smaller, to where the polygon reaches less far.
-/// first: elements about the point where it starts, which stay more exact than what comes of them
-/// by many moves; moved: the sum of these.
-Result<Domain> improveBase(Context& context, Domain domain, int genus, const Elements& first,
-                           Su11& moved) {
+Result<Domain> improveBase(Context& context, Domain domain, int genus, Su11& base) {
   constexpr int kDirections = 6;
   double reach = reachOf(domain);
   for (double step = reach / 3; step > 0.05; step /= 2) {
@@ -315,17 +288,13 @@ Result<Domain> improveBase(Context& context, Domain domain, int genus, const Ele
       for (int k = 0; k < kDirections; ++k) {
         const Su11 move =
             translationTo(std::polar(std::tanh(step / 2), 0.1 + 2 * kPi * k / kDirections));
-        const Su11 sum = renormalized(moved * move);
-        Elements elements = domain.neighbours;
-        moveBase(elements, move);
-        Elements again = first;
-        moveBase(again, sum);
-        std::move(again.begin(), again.end(), std::back_inserter(elements));
-        ASSIGN_OR_RETURN(Domain candidate, closeDomain(context, std::move(elements), genus));
+        Elements moved = domain.neighbours;
+        moveBase(moved, move);
+        ASSIGN_OR_RETURN(Domain candidate, closeDomain(context, std::move(moved), genus));
         if (reachOf(candidate) > reach - 1e-3) continue;
         reach = reachOf(candidate);
         domain = std::move(candidate);
-        moved = sum;
+        base = base * move;
         better = true;
         break;
       }
@@ -344,11 +313,9 @@ Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<Su11>& gen
   const Context::Stage stage(context, "orbit polygon");
   Elements elements;
   for (std::size_t k = 0; k < generators.size(); ++k) {
+    RETURN_IF_ERROR(needTranslation(generators[k]));
     if (distanceToUnit(generators[k]) < kSamePoint) continue;
-    elements.push_back({renormalized(generators[k]),
-                        {static_cast<int>(k) + 1},
-                        kRounding * std::abs(generators[k].a)});
-    RETURN_IF_ERROR(needTranslation(elements.back()));
+    elements.push_back({renormalized(generators[k]), {static_cast<int>(k) + 1}});
   }
   OrbitPolygon polygon;
   polygon.genus = genus;
@@ -356,11 +323,9 @@ Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<Su11>& gen
   shorten(elements);
   polygon.base = polygon.base * firstBase(elements);
   for (std::size_t k = elements.size(); k-- > 0;) elements.push_back(inverseOf(elements[k]));
-  ASSIGN_OR_RETURN(Domain domain, closeDomain(context, elements, genus));
-  elements.insert(elements.end(), domain.neighbours.begin(), domain.neighbours.end());
-  Su11 moved;
-  ASSIGN_OR_RETURN(domain, improveBase(context, std::move(domain), genus, elements, moved));
-  polygon.base = renormalized(polygon.base * moved);
+  ASSIGN_OR_RETURN(Domain domain, closeDomain(context, std::move(elements), genus));
+  ASSIGN_OR_RETURN(domain, improveBase(context, std::move(domain), genus, polygon.base));
+  polygon.base = renormalized(polygon.base);
   polygon.pairings = std::move(domain.neighbours);
   for (const Complex& corner : domain.cell.corner) polygon.corners.push_back(diskPoint(corner));
   polygon.radius = reachOf(domain);

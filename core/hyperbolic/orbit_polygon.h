@@ -19,7 +19,6 @@ namespace moduli {
 struct GroupElement {
   Su11 map;
   Word word;
-  double error = 0;  ///< An estimate of the rounding of map's entries.
 };
 
 /// The Dirichlet polygon of a group about the point base(0). Everything but `base` is in
