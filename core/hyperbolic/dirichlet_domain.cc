@@ -145,6 +145,18 @@ Result<DirichletDomain> glueDomain(const OrbitPolygon& polygon) {
   return domain;
 }
 
+Result<OrbitPolygon> orbitPolygon(Context& context, const FuchsianGroup& group) {
+  const std::size_t genus = group.generators.size() / 2;
+  ASSIGN_OR_RETURN(const RelationCorrection exact,
+                   correctRelation(group.generators, canonicalRelation(genus)));
+  return orbitPolygon(context, exact.letters, static_cast<int>(genus));
+}
+
+Result<DirichletDomain> dirichletDomain(Context& context, const FuchsianGroup& group) {
+  ASSIGN_OR_RETURN(const OrbitPolygon polygon, orbitPolygon(context, group));
+  return glueDomain(polygon);
+}
+
 Result<DirichletDomain> dirichletDomain(Context& context, const std::vector<Su11>& generators,
                                         int genus) {
   ASSIGN_OR_RETURN(const OrbitPolygon polygon, orbitPolygon(context, generators, genus));

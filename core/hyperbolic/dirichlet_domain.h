@@ -4,6 +4,7 @@
 
 #include "core/base/context.h"
 #include "core/base/status.h"
+#include "core/hyperbolic/fuchsian_group.h"
 #include "core/hyperbolic/orbit_polygon.h"
 #include "core/hyperbolic/su11.h"
 
@@ -43,7 +44,12 @@ struct DirichletDomain {
 Result<DirichletDomain> glueDomain(const OrbitPolygon& polygon);
 
 /// The Dirichlet domain of a group of genus >= 2, about a base point from which it reaches not far.
-/// Fails as orbitPolygon and glueDomain do.
+/// Its generators are moved, by roundings, until their relation holds in 113 bits, and all products
+/// are taken in these. Fails as correctRelation, orbitPolygon and glueDomain do.
+Result<OrbitPolygon> orbitPolygon(Context& context, const FuchsianGroup& group);
+/// The same with its sides glued.
+Result<DirichletDomain> dirichletDomain(Context& context, const FuchsianGroup& group);
+/// Of any generators of a group of this genus, taken as they are: up to genus 4 or so.
 Result<DirichletDomain> dirichletDomain(Context& context, const std::vector<Su11>& generators,
                                         int genus);
 

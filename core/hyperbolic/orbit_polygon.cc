@@ -19,16 +19,27 @@ constexpr double kAreaReached = 1e-10;
 constexpr double kAreaOfRounding = 1e-2;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-using Elements = std::vector<GroupElement>;
+/// As GroupElement, in 113 bits: products of elements that move 0 by d lose a factor e^{d} each
+/// time, and a surface of genus 12 needs many with d = 12.
+struct WideElement {
+  WideSu11 map;
+  Word word;
+  Su11 shape;  ///< The same in doubles: enough to see what a product is worth.
+};
+using Elements = std::vector<WideElement>;
 
-GroupElement inverseOf(const GroupElement& g) {
-  return {inverse(g.map), inverseWord(g.word)};
+WideElement elementOf(const WideSu11& map, Word word) {
+  return {map, std::move(word), rounded(map)};
 }
 
-GroupElement productOf(const GroupElement& g, const GroupElement& h) {
+WideElement inverseOf(const WideElement& g) {
+  return elementOf(inverse(g.map), inverseWord(g.word));
+}
+
+WideElement productOf(const WideElement& g, const WideElement& h) {
   Word word = g.word;
   word.insert(word.end(), h.word.begin(), h.word.end());
-  return {renormalized(g.map * h.map), reduceWord(word)};
+  return elementOf(renormalized(g.map * h.map), reduceWord(word));
 }
 
 /// A convex polygon in Klein's model, where geodesics are straight; the side from corner i to the
@@ -79,7 +90,7 @@ bool cutOff(Cell& cell, const Su11& g, int label) {
 Cell cellOf(const Elements& elements) {
   Cell cell;
   for (std::size_t i = 0; i < elements.size(); ++i)
-    cutOff(cell, elements[i].map, static_cast<int>(i));
+    cutOff(cell, elements[i].shape, static_cast<int>(i));
   return cell;
 }
 
@@ -106,9 +117,9 @@ double areaOf(const Cell& cell) {
 /// The elements of the sides, and their inverses.
 Elements neighboursOf(const Cell& cell, const Elements& elements) {
   Elements result;
-  const auto add = [&result](GroupElement g) {
-    for (const GroupElement& h : result)
-      if (distanceUpToSign(g.map, h.map) < kSamePoint * std::abs(g.map.a)) return;
+  const auto add = [&result](WideElement g) {
+    for (const WideElement& h : result)
+      if (distanceUpToSign(g.shape, h.shape) < kSamePoint * std::abs(g.shape.a)) return;
     result.push_back(std::move(g));
   };
   for (const int side : cell.side) {
@@ -120,12 +131,12 @@ Elements neighboursOf(const Cell& cell, const Elements& elements) {
 }
 
 /// g, multiplied from the left by neighbours as long as that brings g(0) nearer to 0.
-GroupElement descend(GroupElement g, const Elements& neighbours) {
+WideElement descend(WideElement g, const Elements& neighbours) {
   for (;;) {
-    const GroupElement* best = nullptr;
-    double least = std::abs(g.map.b) * (1 - 1e-12) - kSamePoint / 10;
-    for (const GroupElement& s : neighbours) {
-      const double b = std::abs((s.map * g.map).b);
+    const WideElement* best = nullptr;
+    double least = std::abs(g.shape.b) * (1 - 1e-12) - kSamePoint / 10;
+    for (const WideElement& s : neighbours) {
+      const double b = std::abs((s.shape * g.shape).b);
       if (b < least) {
         least = b;
         best = &s;
@@ -144,21 +155,27 @@ Status needTranslation(const Su11& g) {
                                       ", but a closed surface's elements are translations"};
 }
 
-/// The neighbours, their products, and what remains of the generators.
-Result<Elements> grow(const Elements& neighbours, const Elements& generators) {
+/// The neighbours, those of their products whose bisectors come nearer than `reach` (in Klein's
+/// model), and what remains of the generators.
+Result<Elements> grow(const Elements& neighbours, const Elements& generators, double reach) {
   Elements result = neighbours;
-  const auto add = [&result](GroupElement g) -> Status {
-    RETURN_IF_ERROR(needTranslation(g.map));
-    if (std::abs(g.map.b) > kSamePoint) result.push_back(std::move(g));
+  const auto add = [&result](WideElement g) -> Status {
+    RETURN_IF_ERROR(needTranslation(g.shape));
+    if (std::abs(g.shape.b) > kSamePoint) result.push_back(std::move(g));
     return {};
   };
-  for (const GroupElement& generator : generators) {
-    GroupElement rest = descend(generator, neighbours);
+  for (const WideElement& generator : generators) {
+    WideElement rest = descend(generator, neighbours);
     RETURN_IF_ERROR(add(inverseOf(rest)));
     RETURN_IF_ERROR(add(std::move(rest)));
   }
-  for (const GroupElement& g : neighbours)
-    for (const GroupElement& h : neighbours) RETURN_IF_ERROR(add(productOf(g, h)));
+  for (const WideElement& g : neighbours) {
+    for (const WideElement& h : neighbours) {
+      const Su11 shape = g.shape * h.shape;
+      if (std::abs(shape.b) > reach * std::abs(shape.a)) continue;
+      RETURN_IF_ERROR(add(productOf(g, h)));
+    }
+  }
   return result;
 }
 
@@ -193,10 +210,10 @@ Result<Domain> closeDomain(Context& context, Elements elements, int genus) {
     if (std::abs(excess) < kAreaTolerance && (excess < kAreaReached || stays))
       return Domain{std::move(cell), std::move(neighbours), std::abs(excess) * area};
     if (excess < 0) return tooSmall(excess, genus);
-    ASSIGN_OR_RETURN(elements, grow(neighbours, generators));
-    const bool cuts = std::any_of(elements.begin(), elements.end(), [&cell](const GroupElement& g) {
+    ASSIGN_OR_RETURN(elements, grow(neighbours, generators, cell.reach() * (1 + 1e-9)));
+    const bool cuts = std::any_of(elements.begin(), elements.end(), [&cell](const WideElement& g) {
       Cell copy = cell;
-      return cutOff(copy, g.map, 0);
+      return cutOff(copy, g.shape, 0);
     });
     if (!cuts) break;
   }
@@ -206,14 +223,14 @@ Result<Domain> closeDomain(Context& context, Elements elements, int genus) {
 }
 
 /// The shortest of g h, g h^-1, h g and h^-1 g, if it moves 0 less than g by a thousandth.
-bool shortenBy(GroupElement& g, const GroupElement& h) {
-  const GroupElement back = inverseOf(h);
-  const std::pair<const GroupElement*, const GroupElement*> products[] = {
+bool shortenBy(WideElement& g, const WideElement& h) {
+  const WideElement back = inverseOf(h);
+  const std::pair<const WideElement*, const WideElement*> products[] = {
       {&g, &h}, {&g, &back}, {&h, &g}, {&back, &g}};
-  double least = std::abs(g.map.b) * 0.999;
-  const std::pair<const GroupElement*, const GroupElement*>* best = nullptr;
+  double least = std::abs(g.shape.b) * 0.999;
+  const std::pair<const WideElement*, const WideElement*>* best = nullptr;
   for (const auto& product : products) {
-    const double b = std::abs((product.first->map * product.second->map).b);
+    const double b = std::abs((product.first->shape * product.second->shape).b);
     if (b < least) {
       least = b;
       best = &product;
@@ -227,8 +244,8 @@ bool shortenBy(GroupElement& g, const GroupElement& h) {
 /// Generators that move 0 less, by products of two: rounding is multiplied by the elements that are
 /// multiplied, so that long ones must go before more is done with them. Those that end at 1 go.
 void shorten(Elements& generators) {
-  const auto byDisplacement = [](const GroupElement& g, const GroupElement& h) {
-    return std::abs(g.map.b) < std::abs(h.map.b);
+  const auto byDisplacement = [](const WideElement& g, const WideElement& h) {
+    return std::abs(g.shape.b) < std::abs(h.shape.b);
   };
   bool shorter = true;
   while (shorter) {
@@ -238,17 +255,21 @@ void shorten(Elements& generators) {
       for (std::size_t k = 0; k < i; ++k)
         shorter = shortenBy(generators[i], generators[k]) || shorter;
     }
-    std::erase_if(generators, [](const GroupElement& g) { return std::abs(g.map.b) < kSamePoint; });
+    std::erase_if(generators,
+                  [](const WideElement& g) { return std::abs(g.shape.b) < kSamePoint; });
   }
 }
 
 void moveBase(Elements& elements, const Su11& move) {
-  for (GroupElement& g : elements) g.map = renormalized(inverse(move) * g.map * move);
+  const WideSu11 wide = widened(move);
+  for (WideElement& g : elements) {
+    g = elementOf(renormalized(inverse(wide) * g.map * wide), std::move(g.word));
+  }
 }
 
 double squaredSines(const Elements& elements, const Su11& move) {
   double sum = 0;
-  for (const GroupElement& g : elements) sum += std::norm((inverse(move) * g.map * move).b);
+  for (const WideElement& g : elements) sum += std::norm((inverse(move) * g.shape * move).b);
   return sum;
 }
 
@@ -259,7 +280,7 @@ Su11 firstBase(Elements& elements) {
   double step = 1;
   for (int round = 0; round < 200 && step > 0.05; ++round) {
     Complex gradient = 0;
-    for (const GroupElement& g : elements) gradient -= Complex(0, g.map.a.imag()) * g.map.b;
+    for (const WideElement& g : elements) gradient -= Complex(0, g.shape.a.imag()) * g.shape.b;
     if (std::abs(gradient) == 0) break;
     const Su11 move = translationTo(-gradient / std::abs(gradient) * std::tanh(step / 2));
     if (squaredSines(elements, move) < squaredSines(elements, Su11{})) {
@@ -307,15 +328,22 @@ Result<Domain> improveBase(Context& context, Domain domain, int genus, Su11& bas
 
 Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<Su11>& generators,
                                   int genus) {
+  std::vector<WideSu11> wide;
+  for (const Su11& g : generators) wide.push_back(widened(g));
+  return orbitPolygon(context, wide, genus);
+}
+
+Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<WideSu11>& generators,
+                                  int genus) {
   if (genus < 2 || generators.empty())
     return Status(Reason::kInvalidOption,
                   "a hyperbolic surface has genus 2 or more, and generators");
   const Context::Stage stage(context, "orbit polygon");
   Elements elements;
   for (std::size_t k = 0; k < generators.size(); ++k) {
-    RETURN_IF_ERROR(needTranslation(generators[k]));
-    if (distanceToUnit(generators[k]) < kSamePoint) continue;
-    elements.push_back({renormalized(generators[k]), {static_cast<int>(k) + 1}});
+    WideElement element = elementOf(generators[k], {static_cast<int>(k) + 1});
+    RETURN_IF_ERROR(needTranslation(element.shape));
+    if (distanceToUnit(element.shape) >= kSamePoint) elements.push_back(std::move(element));
   }
   OrbitPolygon polygon;
   polygon.genus = genus;
@@ -326,7 +354,7 @@ Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<Su11>& gen
   ASSIGN_OR_RETURN(Domain domain, closeDomain(context, std::move(elements), genus));
   ASSIGN_OR_RETURN(domain, improveBase(context, std::move(domain), genus, polygon.base));
   polygon.base = renormalized(polygon.base);
-  polygon.pairings = std::move(domain.neighbours);
+  for (WideElement& g : domain.neighbours) polygon.pairings.push_back({g.shape, std::move(g.word)});
   for (const Complex& corner : domain.cell.corner) polygon.corners.push_back(diskPoint(corner));
   polygon.radius = reachOf(domain);
   polygon.area_error = domain.area_error;

@@ -5,6 +5,7 @@
 #include "core/base/context.h"
 #include "core/hyperbolic/axis.h"
 #include "core/hyperbolic/su11.h"
+#include "core/hyperbolic/wide_su11.h"
 #include "core/topology/homotopy_basis.h"
 
 /// The points of the disk nearest to one point of an orbit: a fundamental polygon of a Fuchsian
@@ -47,6 +48,10 @@ struct OrbitPolygon {
 /// O(n^2 + n m) for n pairings, at most 12 genus - 6 sides of the polygon, and m corners.
 /// Source: Voight 2009, Computing fundamental domains for Fuchsian groups; MATH 7.5.
 Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<Su11>& generators, int genus);
+/// The same of generators that are known to 113 bits: as the products are computed in these,
+/// nothing is lost to rounding for surfaces of high genus, whose polygons reach far.
+Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<WideSu11>& generators,
+                                  int genus);
 
 /// An element in the polygon's coordinates, in those of the generators.
 Su11 inGivenCoordinates(const OrbitPolygon& polygon, const Su11& element);

@@ -32,19 +32,12 @@ Wide squaredNorm(const WideComplex& z) {
   return z.real() * z.real() + z.imag() * z.imag();
 }
 
-/// Scales a so that |a|^2 = 1 + |b|^2, which it nearly is: (1 + e)^(1/2) to order e^3.
-WideSu11 normalized(WideSu11 g) {
-  const Wide e = (1 + squaredNorm(g.b)) / squaredNorm(g.a) - 1;
-  g.a *= 1 + e / 2 - e * e / 8 + e * e * e / 16;
-  return g;
-}
-
 /// exp [[i t / 2, w], [conj w, -i t / 2]] with w = (x + i y) / 2, whose square is a multiple of 1.
 WideSu11 exponential(const Move& m) {
   const Wide q = (m[1] * m[1] + m[2] * m[2] - m[0] * m[0]) / 4;
   const Wide cosine = 1 + q / 2 * (1 + q / 12 * (1 + q / 30));
   const Wide sine = 1 + q / 6 * (1 + q / 20 * (1 + q / 42));
-  return normalized({{cosine, sine * m[0] / 2}, {sine * m[1] / 2, sine * m[2] / 2}});
+  return renormalized(WideSu11{{cosine, sine * m[0] / 2}, {sine * m[1] / 2, sine * m[2] / 2}});
 }
 
 /// The logarithm of an element near 1 or -1, to first order.
@@ -138,12 +131,18 @@ double lengthOf(const Move& m) {
 
 }  // namespace
 
+WideSu11 renormalized(const WideSu11& g) {
+  // (1 + e)^(1/2) to order e^3.
+  const Wide e = (1 + squaredNorm(g.b)) / squaredNorm(g.a) - 1;
+  return {g.a * (1 + e / 2 - e * e / 8 + e * e * e / 16), g.b};
+}
+
 Su11 rounded(const WideSu11& g) {
   return {narrow(g.a), narrow(g.b)};
 }
 
 WideSu11 widened(const Su11& g) {
-  return normalized({wide(g.a), wide(g.b)});
+  return renormalized(WideSu11{wide(g.a), wide(g.b)});
 }
 
 WideSu11 evaluate(const std::vector<WideSu11>& letters, const Word& word) {
@@ -179,7 +178,7 @@ Result<RelationCorrection> correctRelation(const std::vector<Su11>& letters, con
     const std::vector<Move> moves =
         smallestMoves(derivatives(result.letters, word), logarithm(evaluate(result.letters, word)));
     for (std::size_t k = 0; k < moves.size(); ++k) {
-      result.letters[k] = normalized(result.letters[k] * exponential(moves[k]));
+      result.letters[k] = renormalized(result.letters[k] * exponential(moves[k]));
     }
     result.residual = relationResidual(result.letters, word);
   }

@@ -34,6 +34,10 @@ inline WideSu11 inverse(const WideSu11& g) {
   return {std::conj(g.a), -g.b};
 }
 
+/// The element of determinant 1 with the same b and the same direction of a. g: nearly of
+/// determinant 1.
+WideSu11 renormalized(const WideSu11& g);
+
 /// The nearest doubles.
 Su11 rounded(const WideSu11& g);
 /// The same element, of determinant 1 to 113 bits: the direction of a and b itself are kept.

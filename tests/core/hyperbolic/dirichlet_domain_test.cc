@@ -34,10 +34,10 @@ void expectDomain(const DirichletDomain& domain, int genus) {
   EXPECT_NEAR(area, 4 * kPi * (genus - 1), 1e-9);
 }
 
-class RegularPolygon : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Genera, RegularPolygon, testing::Values(2, 3, 5));
+class DomainOfPolygon : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Genera, DomainOfPolygon, testing::Values(2, 3, 5));
 
-TEST_P(RegularPolygon, GroupHasADomainNoLargerThanThePolygon) {
+TEST_P(DomainOfPolygon, GroupHasADomainNoLargerThanThePolygon) {
   const int genus = GetParam();
   Context context;
   const auto domain = dirichletDomain(context, polygonGroup(genus), genus);
@@ -46,7 +46,7 @@ TEST_P(RegularPolygon, GroupHasADomainNoLargerThanThePolygon) {
   EXPECT_LE(domain->radius, polygonRadius(genus) + 1e-9);
 }
 
-TEST_P(RegularPolygon, GluesToOnePointAboutItsMiddle) {
+TEST_P(DomainOfPolygon, GluesToOnePointAboutItsMiddle) {
   // The polygon itself, with its neighbours across the sides, as if it had been found about 0.
   const int genus = GetParam();
   const int n = 4 * genus;
