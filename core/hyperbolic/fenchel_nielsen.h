@@ -5,6 +5,7 @@
 
 #include "core/base/status.h"
 #include "core/hyperbolic/su11.h"
+#include "core/hyperbolic/wide_su11.h"
 
 /// Hyperbolic surfaces from pairs of pants: lengths of the curves that they are glued along, and
 /// twists.
@@ -33,7 +34,9 @@ double normalizedTwist(double twist, double length);
 
 /// A group with given coordinates.
 struct PantsGroup {
-  std::vector<Su11> generators;
+  /// In 113 bits, so that orbitPolygon may multiply them as often as it must; rounded, they are
+  /// enough up to genus 3.
+  std::vector<WideSu11> generators;
   std::vector<Su11> curves;  ///< Per curve an element over it, along its direction.
 };
 
@@ -42,7 +45,7 @@ struct PantsGroup {
 /// marked foot of a pair of pants in the middle of the surface.
 ///
 /// Fails with kInvalidOption where the numbers of pants, lengths and twists do not fit the genus,
-/// where a side is missing, where the pants do not hang together, or where a length is not positive
+/// where a side is missing, where the pants do not hang together, where a length is not in (0, 300]
 /// or a twist not finite. O(g^2). Source: MATH 7.7; Buser 1992, chapter 3.
 Result<PantsGroup> groupFromFenchelNielsen(const FenchelNielsen& coordinates);
 
