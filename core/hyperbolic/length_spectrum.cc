@@ -38,11 +38,13 @@ struct Candidate {
 std::vector<Candidate> candidates(const OrbitPolygon& polygon, const OrbitBall& ball,
                                   double length) {
   std::vector<Candidate> result;
-  const double cosine = std::cosh(length / 2);
+  // The half trace tells long ones quickly, but short lengths not to the last digits.
+  const double cosine = std::cosh(length / 2) * (1 + kLengthTolerance);
   for (std::size_t i = 1; i < ball.elements.size(); ++i) {
     const Su11& g = ball.elements[i];
     if (std::abs(g.a.real()) > cosine || !meetsPolygon(polygon, axisOf(g), kTouching)) continue;
-    result.push_back({translationLength(g), i});
+    const double found = translationLength(g);
+    if (found <= length) result.push_back({found, i});
   }
   const auto byLength = [](const Candidate& x, const Candidate& y) { return x.length < y.length; };
   const auto byIndex = [](const Candidate& x, const Candidate& y) { return x.index < y.index; };
@@ -134,7 +136,7 @@ Result<LengthSpectrum> lengthSpectrum(Context& context, const OrbitPolygon& poly
 
 Result<LengthSpectrum> systoles(Context& context, const OrbitPolygon& polygon,
                                 const SpectrumOptions& options) {
-  // The shortest of any elements is an upper bound.
+  // The shortest of any elements is an upper bound, up to the rounding of their lengths.
   double length = translationLength(polygon.pairings.front().map);
   for (const GroupElement& g : polygon.pairings) {
     length = std::min(length, translationLength(g.map));
@@ -144,6 +146,7 @@ Result<LengthSpectrum> systoles(Context& context, const OrbitPolygon& polygon,
         length = std::min(length, translationLength(product));
     }
   }
+  length *= 1 + 1e-5;
   ASSIGN_OR_RETURN(LengthSpectrum spectrum, lengthSpectrum(context, polygon, length, options));
   if (spectrum.complete_to < length)
     return Status(

@@ -24,7 +24,7 @@ struct ClosedGeodesic {
 };
 
 struct SpectrumOptions {
-  /// How many elements of the group may be listed. A million take some 5 s and 100 MB.
+  /// How many elements of the group may be listed. A million take some 3 s and 200 MB.
   std::size_t most_elements = 1'000'000;
 };
 

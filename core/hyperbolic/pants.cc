@@ -19,6 +19,8 @@ constexpr double kPi = 3.14159265358979323846;
 /// twice as far, those that may lie in front of them.
 constexpr double kPassing = 0.05;
 constexpr double kSeamTolerance = 1e-6;
+/// Copies of the polygon beside a curve: cuffs of 1e-3 need some ten thousand.
+constexpr std::size_t kMostCopies = 1'000'000;
 
 /// An axis over a curve that passes the polygon.
 struct Lift {
@@ -173,7 +175,7 @@ Status SeamSearch::run(Context& context, int side, const Su11& frame, double len
   OrbitIndex known(polygon_.separation);
   enter(inverse(frame), known);
   std::vector<Seen> seen(lifts_.size());
-  for (std::size_t count = 0; !next_.empty(); ++count) {
+  for (std::size_t count = 0; !next_.empty() && count < kMostCopies; ++count) {
     if (count % 64 == 0) RETURN_IF_ERROR(context.check());
     const Copy copy = next_.top();
     next_.pop();

@@ -156,6 +156,21 @@ TEST(FenchelNielsen, AnotherTwistIsAnotherSurface) {
   }
 }
 
+TEST(FenchelNielsen, ShortCurvesKeepTheirLengthsAndTwists) {
+  Context context;
+  for (const double l : {0.3, 0.1, 0.01}) {
+    const FenchelNielsen given{2, {{0, 2, 4}, {1, 3, 5}}, {l, 2.2, 2.4}, {0.3 * l, -0.5, 0.7}};
+    const OrbitPolygon polygon = polygonOf(groupOf(given).generators, 2);
+    const auto pants = pantsDecomposition(context, polygon);
+    ASSERT_OK(pants);
+    // The half trace of elements that reach to distance r is right to 1e-16 e^{r} and moves the
+    // length by that over l / 2.
+    const double tolerance = 1e-15 * std::exp(polygon.radius + 4) / l;
+    expectNear(pants->coordinates.lengths, given.lengths, tolerance);
+    EXPECT_NEAR(pants->coordinates.twists[0], given.twists[0], 1e-8);
+  }
+}
+
 TEST(FenchelNielsen, ASeamThatClosesIsAGeodesicOfItsLength) {
   // A handle whose own cuff is twisted by half its length: the seam from the cuff to itself meets
   // itself at a right angle to the cuff, and is smooth there.
