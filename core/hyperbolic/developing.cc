@@ -1,0 +1,278 @@
+#include "core/hyperbolic/developing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <queue>
+#include <string>
+#include <utility>
+
+namespace moduli {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Where frames miss by more, the metric is not one of constant curvature without cones.
+constexpr double kWorstResidual = 1e-6;
+
+Status checkTopology(const Connectivity& surface) {
+  for (Index v = 0; v < surface.vertexCount(); ++v) {
+    if (surface.isBoundaryVertex(v)) {
+      return {Reason::kUnsupportedTopology,
+              "the surface has a boundary, at vertex " + std::to_string(v)};
+    }
+  }
+  const Index characteristic = surface.eulerCharacteristic();
+  if (characteristic >= 0) {
+    return {Reason::kUnsupportedTopology, "a closed surface of Euler characteristic " +
+                                              std::to_string(characteristic) +
+                                              " has no hyperbolic metric"};
+  }
+  return {};
+}
+
+Status checkAngles(const HyperbolicTriangles& triangles) {
+  std::vector<double> sum(triangles.surface.vertexCount(), 0.0);
+  for (Index h = 0; h < triangles.surface.halfedgeCount(); ++h) {
+    sum[triangles.surface.tail(h)] += triangles.angles[h];
+  }
+  for (std::size_t v = 0; v < sum.size(); ++v) {
+    if (std::abs(sum[v] - 2 * kPi) <= 1e-9) continue;
+    return {Reason::kInvalidMetric, "the angles at vertex " + std::to_string(v) + " add up to " +
+                                        std::to_string(sum[v]) + ", not to 2 pi"};
+  }
+  return {};
+}
+
+/// The changes of coordinates across all edges.
+std::vector<Su11> crossings(const HyperbolicTriangles& triangles) {
+  const Connectivity& surface = triangles.surface;
+  std::vector<Su11> crossing(surface.halfedgeCount());
+  for (Index e = 0; e < surface.edgeCount(); ++e) {
+    const Index h = surface.halfedge(e);
+    const Index twin = surface.twin(h);
+    crossing[h] = renormalized(cornerFrame(triangles, h) * edgeHalfTurn(triangles.lengths[h]) *
+                               inverse(cornerFrame(triangles, twin)));
+    crossing[twin] = inverse(crossing[h]);
+  }
+  return crossing;
+}
+
+/// From 0 to the centre of a face, the middle of its corners on the hyperboloid, in its own
+/// coordinates. The middle's square is -(3 + 2 sum of cosh(side)), a sum without cancellation.
+Su11 centre(const HyperbolicTriangles& triangles, Index f) {
+  Complex across = 0;
+  double height = 0;
+  double square = 3;
+  for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+    const Su11 corner = cornerFrame(triangles, h);
+    across += 2.0 * corner.a * corner.b;
+    height += 1 + 2 * std::norm(corner.b);
+    square += 2 * std::cosh(triangles.lengths[h]);
+  }
+  const double norm = std::sqrt(square);
+  const double a = std::sqrt((height / norm + 1) / 2);
+  return renormalized({a, across / (2 * norm * a)});
+}
+
+/// Puts faces into the disk, nearest first.
+class Layout {
+ public:
+  Layout(const HyperbolicTriangles& triangles, const std::vector<Su11>& crossing)
+      : surface_(triangles.surface), crossing_(crossing) {
+    for (Index f = 0; f < surface_.faceCount(); ++f) centre_.push_back(centre(triangles, f));
+  }
+
+  struct Placement {
+    std::vector<Su11> placed;
+    std::vector<Index> entry;
+    std::vector<double> distance;  ///< Per face, of its centre.
+    Index farthest = 0;
+  };
+
+  Placement from(Index root) const {
+    Placement result;
+    result.placed.resize(surface_.faceCount());
+    result.entry.assign(surface_.faceCount(), kNone);
+    result.distance.assign(surface_.faceCount(), -1.0);
+    Queue queue;
+    place(result, queue, root, inverse(centre_[root]));
+    while (!queue.empty()) {
+      const Candidate next = queue.top();
+      queue.pop();
+      const Index f = Connectivity::faceOf(next.entry);
+      if (result.distance[f] >= 0) continue;
+      const Index behind = surface_.twin(next.entry);
+      result.entry[f] = next.entry;
+      place(result, queue, f, result.placed[Connectivity::faceOf(behind)] * crossing_[behind]);
+    }
+    return result;
+  }
+
+ private:
+  struct Candidate {
+    double distance = 0;
+    Index entry = 0;
+    bool operator<(const Candidate& other) const {
+      return distance != other.distance ? distance > other.distance : entry > other.entry;
+    }
+  };
+  using Queue = std::priority_queue<Candidate>;
+
+  void place(Placement& result, Queue& queue, Index f, const Su11& frame) const {
+    result.placed[f] = renormalized(frame);
+    result.distance[f] = displacement(result.placed[f] * centre_[f]);
+    if (result.distance[f] > result.distance[result.farthest]) result.farthest = f;
+    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+      const Index entry = surface_.twin(h);
+      const Index g = Connectivity::faceOf(entry);
+      if (result.distance[g] >= 0) continue;
+      queue.push({displacement(result.placed[f] * crossing_[h] * centre_[g]), entry});
+    }
+  }
+
+  const Connectivity& surface_;
+  const std::vector<Su11>& crossing_;
+  std::vector<Su11> centre_;
+};
+
+double radiusOf(const Layout::Placement& result) {
+  return result.distance[result.farthest];
+}
+
+/// The layout of the candidate with the smallest radius.
+Result<std::pair<Index, Layout::Placement>> layoutFromTheMiddle(Context& context,
+                                                                const Layout& layout,
+                                                                int candidates) {
+  std::pair<Index, Layout::Placement> best{0, layout.from(0)};
+  std::vector<double> nearest = best.second.distance;  // To the candidates so far.
+  std::vector<double> farthest = nearest;
+  const auto consider = [&](Index root) {
+    Layout::Placement result = layout.from(root);
+    for (std::size_t f = 0; f < nearest.size(); ++f) {
+      nearest[f] = std::min(nearest[f], result.distance[f]);
+      farthest[f] = std::max(farthest[f], result.distance[f]);
+    }
+    if (radiusOf(result) < radiusOf(best.second)) best = {root, std::move(result)};
+  };
+  for (int k = 1; k < candidates; ++k) {
+    RETURN_IF_ERROR(context.check());
+    // Far from all at first: their distances bound everyone's radius from below. Then the lowest
+    // bound wins.
+    const bool explore = k <= candidates / 2;
+    const auto at = explore ? std::max_element(nearest.begin(), nearest.end())
+                            : std::min_element(farthest.begin(), farthest.end());
+    const Index root = static_cast<Index>(explore ? at - nearest.begin() : at - farthest.begin());
+    consider(root);
+    if (!explore) {
+      // Not twice.
+      farthest[root] = std::numeric_limits<double>::infinity();
+    }
+  }
+  return best;
+}
+
+double vertexResidual(const Connectivity& surface, const std::vector<Su11>& crossing) {
+  double worst = 0;
+  for (Index v = 0; v < surface.vertexCount(); ++v) {
+    Su11 product;
+    const Index first = surface.outgoing(v);
+    Index h = first;
+    do {
+      product = product * crossing[Connectivity::previous(h)];
+      h = surface.rotate(h);
+    } while (h != first);
+    worst = std::max(worst, distanceToUnit(product));
+  }
+  return worst;
+}
+
+double faceResidual(const HyperbolicTriangles& triangles) {
+  double worst = 0;
+  for (Index h = 1; h < triangles.surface.halfedgeCount(); h += 3) {
+    const Su11 along = cornerFrame(triangles, h) * translation(triangles.lengths[h]) *
+                       rotation(kPi - triangles.angles[h + 1]);
+    worst = std::max(worst, distanceUpToSign(along, cornerFrame(triangles, h + 1)));
+  }
+  return worst;
+}
+
+}  // namespace
+
+Result<HyperbolicTriangles> hyperbolicTriangles(const DiscreteMetric& metric) {
+  if (metric.geometry != Geometry::kHyperbolic) {
+    return Status(Reason::kInvalidMetric, "the metric is not hyperbolic");
+  }
+  HyperbolicTriangles triangles{metric.triangulation.connectivity(), {}, metric.angles};
+  RETURN_IF_ERROR(checkTopology(triangles.surface));
+  for (const double x : metric.half_chords) {
+    triangles.lengths.push_back(lengthOfHalfChord(Geometry::kHyperbolic, x));
+  }
+  return triangles;
+}
+
+Result<HyperbolicTriangles> hyperbolicTriangles(const IntrinsicSurface& surface) {
+  if (surface.geometry != Geometry::kHyperbolic) {
+    return Status(Reason::kInvalidMetric, "the surface is not hyperbolic");
+  }
+  HyperbolicTriangles triangles{surface.connectivity, {}, {}};
+  RETURN_IF_ERROR(checkTopology(triangles.surface));
+  for (Index f = 0; f < surface.connectivity.faceCount(); ++f) {
+    const TriangleValues sides = surface.sides(f);
+    const TriangleValues angles = triangleAngles(Geometry::kHyperbolic, sides);
+    triangles.lengths.insert(triangles.lengths.end(), sides.begin(), sides.end());
+    for (int c = 0; c < 3; ++c) triangles.angles.push_back(angles[(c + 1) % 3]);
+  }
+  RETURN_IF_ERROR(checkAngles(triangles));
+  return triangles;
+}
+
+Su11 cornerFrame(const HyperbolicTriangles& triangles, Index h) {
+  const Index first = h - h % 3;
+  switch (h % 3) {
+    case 0:
+      return {};
+    case 1:
+      return translation(triangles.lengths[first]) * rotation(kPi - triangles.angles[h]);
+    default:
+      // Back along the third side, from the first corner.
+      return rotation(triangles.angles[first]) * translation(triangles.lengths[h]) * rotation(kPi);
+  }
+}
+
+Result<Development> develop(Context& context, const HyperbolicTriangles& triangles,
+                            const DevelopOptions& options) {
+  const Context::Stage stage(context, "develop");
+  Development development;
+  development.crossing = crossings(triangles);
+  const Layout layout(triangles, development.crossing);
+  std::pair<Index, Layout::Placement> found;
+  if (options.root == kNone) {
+    ASSIGN_OR_RETURN(found, layoutFromTheMiddle(context, layout, options.candidates));
+  } else {
+    found = {options.root, layout.from(options.root)};
+  }
+  development.root = found.first;
+  DevelopmentCertificate& certificate = development.certificate;
+  certificate.radius = radiusOf(found.second);
+  development.placed = std::move(found.second.placed);
+  development.entry = std::move(found.second.entry);
+  for (const Su11& g : development.crossing) {
+    certificate.determinant_drift =
+        std::max(certificate.determinant_drift, std::abs(determinantDrift(g)));
+  }
+  certificate.vertex_residual = vertexResidual(triangles.surface, development.crossing);
+  certificate.face_residual = faceResidual(triangles);
+  if (!(certificate.vertex_residual < kWorstResidual &&
+        certificate.face_residual < kWorstResidual)) {
+    return Status(
+        Reason::kResidualTooLarge,
+        "the triangles do not close up around their corners: frames miss by " +
+            std::to_string(std::max(certificate.vertex_residual, certificate.face_residual)));
+  }
+  return development;
+}
+
+}  // namespace moduli
