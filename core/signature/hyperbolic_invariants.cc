@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/hyperbolic/dirichlet_domain.h"
 #include "core/hyperbolic/fuchsian_group.h"
 #include "core/hyperbolic/length_spectrum.h"
 
@@ -12,9 +13,8 @@ namespace {
 constexpr std::size_t kElements = 40'000;
 
 /// The shortest geodesics, and those up to kSpectrumReach of them where that is not too much.
-Result<LengthSpectrum> shortGeodesics(Context& context, const std::vector<Su11>& generators) {
-  const auto genus = static_cast<int>(generators.size() / 2);
-  ASSIGN_OR_RETURN(const OrbitPolygon polygon, orbitPolygon(context, generators, genus));
+Result<LengthSpectrum> shortGeodesics(Context& context, const FuchsianGroup& group) {
+  ASSIGN_OR_RETURN(const OrbitPolygon polygon, orbitPolygon(context, group));
   SpectrumOptions options;
   options.most_elements = kElements;
   ASSIGN_OR_RETURN(LengthSpectrum shortest, systoles(context, polygon, options));
@@ -33,7 +33,7 @@ Result<HyperbolicInvariants> hyperbolicInvariants(Context& context, const Discre
     result.generators.push_back({generator.a, generator.b});
   }
   result.relation_residual = group.certificate.relation_residual;
-  const Result<LengthSpectrum> spectrum = shortGeodesics(context, group.generators);
+  const Result<LengthSpectrum> spectrum = shortGeodesics(context, group);
   const Reason reason = spectrum.status().reason();
   if (reason == Reason::kCancelled || reason == Reason::kDeadlineExceeded) return spectrum.status();
   result.geodesics = spectrum.status();
