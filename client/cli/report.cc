@@ -114,6 +114,9 @@ std::string conformalLines(const v1::ConformalBlock& block) {
     }
     text += line("energies", energies);
   }
+  if (block.length_spectrum_size() > 0) {
+    text += line("geodesics", spectrumText(block.length_spectrum()));
+  }
   return text + circleLines(block.circles());
 }
 
@@ -155,6 +158,12 @@ std::string certificateLines(const v1::SignatureCertificate& certificate) {
   std::vector<std::string> parts = mapParts(certificate);
   if (certificate.has_riemann_bilinear_residual()) {
     parts.push_back("bilinear residual " + brief(certificate.riemann_bilinear_residual()));
+  }
+  if (certificate.has_spectrum_complete_to()) {
+    parts.push_back("geodesics complete up to " + brief(certificate.spectrum_complete_to()));
+  }
+  if (certificate.has_relation_residual()) {
+    parts.push_back("relation of the generators to " + brief(certificate.relation_residual()));
   }
   if (certificate.has_curvature_residual()) {
     parts.push_back("hyperbolic metric flat up to " + brief(certificate.curvature_residual()) +

@@ -275,4 +275,17 @@ Result<Development> develop(Context& context, const HyperbolicTriangles& triangl
   return development;
 }
 
+Su11 holonomy(const Connectivity& surface, const Development& development,
+              const std::vector<Index>& loop) {
+  Su11 product;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    // Clockwise around the head, through the faces on the left.
+    const Index end = loop[(i + 1) % loop.size()];
+    for (Index h = Connectivity::next(loop[i]); h != end; h = Connectivity::next(surface.twin(h))) {
+      product = renormalized(product * development.crossing[h]);
+    }
+  }
+  return product;
+}
+
 }  // namespace moduli

@@ -72,4 +72,11 @@ struct DevelopOptions {
 Result<Development> develop(Context& context, const HyperbolicTriangles& triangles,
                             const DevelopOptions& options = {});
 
+/// What a closed walk along edges does to the plane: the product of the changes of coordinates on
+/// its left side, in those of the face of its first halfedge. Its translation length is that of the
+/// closed geodesic into which the walk can be moved. loop: halfedges, each from the head of the
+/// one before, the first from that of the last. O(n d) for vertices of degree d.
+Su11 holonomy(const Connectivity& surface, const Development& development,
+              const std::vector<Index>& loop);
+
 }  // namespace moduli

@@ -21,7 +21,7 @@ struct Crossing {
   double weight_head = 0;
 };
 
-/// The common refinement of a triangulation and what Ptolemy flips have made of it.
+/// The common refinement of a triangulation and what flips have made of it.
 ///
 /// Both triangulations are geodesic ones of the same ideal hyperbolic surface, decorated with the
 /// half chords, and their edges cross as its geodesics do. In every face of either, points are told
@@ -29,12 +29,16 @@ struct Crossing {
 /// that is projective on the faces of the overlay is continuous, whatever the factors u. Crossings
 /// are found from the flips alone, without a decision on rounded numbers, and their places from
 /// products and sums of positive numbers.
-/// Source: Fisher, Springborn, Bobenko and Schroeder 2006 (the overlay under flips); Penner 1987
-/// (lengths); Springborn, Schroeder and Pinkall 2008, section 3.4 (projective interpolation).
+/// Where flips of another kind (isometric ones) are among them, given edges stand for the geodesics
+/// of the final metric between the same vertices and past the same others: what crosses what, and
+/// in which order, is the same, so that it is an overlay all the same, but its map is projective on
+/// the final faces alone. Source: Fisher, Springborn, Bobenko and Schroeder 2006 (the overlay under
+/// flips); Penner 1987 (lengths); Springborn, Schroeder and Pinkall 2008, section 3.4 (projective
+/// interpolation).
 class Overlay {
  public:
-  /// final_triangulation: with its history, in which every flip was by Ptolemy's relation. Fails
-  /// with kCancelled and kDeadlineExceeded. O(flips + crossings).
+  /// final_triangulation: with its history. Fails with kCancelled and kDeadlineExceeded. O(flips +
+  /// crossings).
   static Result<Overlay> make(Context& context, const IntrinsicTriangulation& final_triangulation);
 
   /// The triangulation before all flips.

@@ -62,9 +62,9 @@ class CircleDomainMapping {
  private:
   Result<Parameterization> robustly() {
     result_.method = MapMethod::kRobust;
-    Status failure;
-    std::optional<IdealPolyhedron> unflipped;
+    std::optional<IdealPolyhedron> folding;  // The one with the fewest folds.
     std::vector<bool> folded;
+    Status failure;
     IdealStart start;
     for (const bool initial_delaunay : {options_.initial_delaunay, !options_.initial_delaunay}) {
       PuncturedSphereOptions punctured;
@@ -73,20 +73,23 @@ class CircleDomainMapping {
       punctured.start = start.u;
       Result<IdealPolyhedron> ideal = mapToIdealPolyhedron(context_, capped_->connectivity,
                                                            capped_->lengths, positions_, punctured);
-      failure = ideal.status();
-      if (failure.reason() == Reason::kNoConvergence) continue;
-      RETURN_IF_ERROR(failure);
+      if (ideal.status().reason() == Reason::kNoConvergence) {
+        if (!folding) failure = ideal.status();
+        continue;
+      }
+      RETURN_IF_ERROR(ideal.status());
       certify(*ideal);
       failure = roundLoops(ideal->points);
       if (failure.ok()) return std::move(result_);
       if (failure.reason() != Reason::kFoldedMap) return failure;
       start = startOf(ideal->metric);
-      if (initial_delaunay) continue;
+      const auto count = std::count(folded_.begin(), folded_.end(), true);
+      if (folding && count >= std::count(folded.begin(), folded.end(), true)) continue;
       folded = folded_;
-      unflipped = *std::move(ideal);
+      folding = *std::move(ideal);
     }
-    if (!unflipped || !options_.refine) return failure;
-    return refine(*unflipped, folded);
+    if (!folding || !options_.refine) return failure;
+    return refine(*folding, folded);
   }
 
   /// Takes the caps off, unfolds the sphere around the apex of the outer loop, and makes the loops

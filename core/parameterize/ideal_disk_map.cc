@@ -33,7 +33,7 @@ class IdealDiskMapping {
       Result<IdealDisk> disk =
           mapToIdealDisk(context_, surface_, lengths_, positions_, initial_delaunay, start_);
       if (disk.status().reason() == Reason::kNoConvergence) {
-        failure_ = disk.status();
+        if (!folding_) failure_ = disk.status();
         continue;
       }
       RETURN_IF_ERROR(disk.status());
@@ -45,11 +45,14 @@ class IdealDiskMapping {
       failure_ = foldedMap(options_.map, count, surface_.faceCount(),
                            "--refine auto cuts these faces; finer or less obtuse ones avoid it");
       start_ = startOf(disk->polyhedron.metric);
-      if (!initial_delaunay) unflipped_.emplace(*std::move(disk));
+      if (!folding_ || count < least_folds_) {
+        least_folds_ = count;
+        folding_.emplace(*std::move(disk));
+      }
     }
-    if (!unflipped_ || !options_.refine) return failure_;
-    ASSIGN_OR_RETURN(const DiskImage image, options_.domain(*unflipped_));
-    return refine(*unflipped_, image, folds(imagesOf(*unflipped_, image)));
+    if (!folding_ || !options_.refine) return failure_;
+    ASSIGN_OR_RETURN(const DiskImage image, options_.domain(*folding_));
+    return refine(*folding_, image, folds(imagesOf(*folding_, image)));
   }
 
  private:
@@ -127,7 +130,8 @@ class IdealDiskMapping {
   const IdealDiskMapOptions& options_;
   Status failure_;
   IdealStart start_;
-  std::optional<IdealDisk> unflipped_;  ///< Folds; all of its flips are by Ptolemy's relation.
+  std::optional<IdealDisk> folding_;  ///< The one with the fewest folds.
+  Index least_folds_ = 0;
 };
 
 }  // namespace

@@ -25,7 +25,7 @@ using SpherePointImage = std::function<std::complex<double>(const Eigen::Vector3
 /// it takes (subdivide.h); new vertices lie on edges, where they cross the polyhedron's.
 ///
 /// surface, lengths: what was mapped. ideal: of the surface or, where it has a boundary, of its
-/// double, whose first vertices and faces are the surface's; every flip by Ptolemy's relation.
+/// double, whose first vertices and faces are the surface's.
 /// folded: per face of the surface. Orientation is judged on the sphere, or in the plane where
 /// there is an image. Fails with kCancelled and kDeadlineExceeded.
 Result<RefinedSurface> refineFolds(Context& context, const Connectivity& surface,

@@ -71,7 +71,7 @@ class SphereMapping {
     for (const bool initial_delaunay : {options_.initial_delaunay, !options_.initial_delaunay}) {
       Result<IdealPolyhedron> ideal = solve(initial_delaunay);
       if (ideal.status().reason() == Reason::kNoConvergence) {
-        failure_ = ideal.status();
+        if (!folding_) failure_ = ideal.status();
         continue;
       }
       RETURN_IF_ERROR(ideal.status());
@@ -80,10 +80,13 @@ class SphereMapping {
       failure_ = foldedMap(kMap, folded, surface_.faceCount(),
                            "--refine auto cuts these faces; finer or less obtuse ones avoid it");
       start_ = startOf(ideal->metric);
-      if (!initial_delaunay) unflipped_ = *std::move(ideal);
+      if (!folding_ || folded < least_folds_) {
+        least_folds_ = folded;
+        folding_ = *std::move(ideal);
+      }
     }
-    if (!unflipped_ || !options_.refine) return failure_;
-    return refine(*unflipped_);
+    if (!folding_ || !options_.refine) return failure_;
+    return refine(*folding_);
   }
 
   Result<IdealPolyhedron> solve(bool initial_delaunay) {
@@ -157,8 +160,8 @@ class SphereMapping {
   const SphereOptions& options_;
   Status failure_;
   IdealStart start_;
-  std::optional<IdealPolyhedron>
-      unflipped_;  ///< Folds; all of its flips are by Ptolemy's relation.
+  std::optional<IdealPolyhedron> folding_;  ///< The one with the fewest folds.
+  Index least_folds_ = 0;
   Parameterization result_;
 };
 

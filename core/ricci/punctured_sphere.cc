@@ -417,34 +417,52 @@ std::vector<Index> triesOf(const PuncturedSphereOptions& options, const Unknowns
   return candidates(triangulation, positions, unknowns);
 }
 
+/// Half chords of a mean length of 1.
+double unitOf(const std::vector<double>& lengths) {
+  const double sum = std::accumulate(lengths.begin(), lengths.end(), 0.0);
+  return static_cast<double>(lengths.size()) / (2 * sum);
+}
+
+Result<Start> givenMetric(Context& context, const Connectivity& surface,
+                          std::vector<double> lengths, bool initial_delaunay) {
+  const double unit = unitOf(lengths);
+  for (double& length : lengths) length *= unit;
+  Start start{IntrinsicTriangulation(surface, lengths),
+              std::vector<double>(surface.vertexCount(), 0.0)};
+  if (initial_delaunay) {
+    const Context::Stage stage(context, "delaunay");
+    RETURN_IF_ERROR(flipToDelaunayIsometric(context, start.triangulation).status());
+  }
+  return start;
+}
+
 Result<PuncturedSphereMetric> fromSpace(Context& context, const Connectivity& surface,
                                         const std::vector<double>& lengths,
                                         const std::vector<Eigen::Vector3d>& positions,
                                         const PuncturedSphereOptions& options,
                                         const Unknowns& unknowns) {
-  const double mean =
-      std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
-  const double unit = 1 / (2 * mean);
-  std::vector<double> half_chords = lengths;
-  for (double& length : half_chords) length *= unit;
-  Start start{IntrinsicTriangulation(surface, half_chords),
-              std::vector<double>(surface.vertexCount(), 0.0)};
-  PuncturedSphereOptions free_choice = options;
-  if (!options.start.empty()) free_choice.infinity = kNone;
-  const std::vector<Index> tries = triesOf(free_choice, unknowns, start.triangulation, positions);
-  if (options.initial_delaunay) {
-    const Context::Stage stage(context, "delaunay");
-    RETURN_IF_ERROR(flipToDelaunayIsometric(context, start.triangulation).status());
-  }
-  if (!options.start.empty()) {
-    Solver solver(context, start.triangulation, options.infinity, unknowns);
-    const Status solved =
-        solver.run(Eigen::Map<const Eigen::VectorXd>(options.start.data(), surface.vertexCount()));
-    if (solved.ok()) return describe(solver);
-    if (solved.reason() != Reason::kNoConvergence) return solved;
-  }
-  return search(context, start, unknowns, tries,
+  ASSIGN_OR_RETURN(const Start start,
+                   givenMetric(context, surface, lengths, options.initial_delaunay));
+  // Weighted by the surface's own edges, whatever the start makes of them.
+  const Start own{IntrinsicTriangulation(surface, lengths), {}};
+  const double unit = unitOf(lengths);
+  return search(context, start, unknowns, triesOf(options, unknowns, own.triangulation, positions),
                 [&](Index infinity) { return spaceDistances(positions, unit, infinity); });
+}
+
+/// From factors that are known to be near.
+Result<PuncturedSphereMetric> fromFactors(Context& context, const Connectivity& surface,
+                                          const std::vector<double>& lengths,
+                                          const PuncturedSphereOptions& options,
+                                          const Unknowns& unknowns) {
+  ASSIGN_OR_RETURN(Start start, givenMetric(context, surface, lengths, options.initial_delaunay));
+  if (hasLoop(start.triangulation, options.infinity)) {
+    return Status{Reason::kNoConvergence, "the vertex at infinity has a loop around it"};
+  }
+  Solver solver(context, std::move(start.triangulation), options.infinity, unknowns);
+  RETURN_IF_ERROR(
+      solver.run(Eigen::Map<const Eigen::VectorXd>(options.start.data(), surface.vertexCount())));
+  return describe(solver);
 }
 
 Result<PuncturedSphereMetric> fromCones(Context& context, const Connectivity& surface,
@@ -470,14 +488,13 @@ Result<PuncturedSphereMetric> uniformizePuncturedSphere(
   }
   const Unknowns unknowns =
       options.unknowns.count > 0 ? options.unknowns : Unknowns::all(surface.vertexCount());
+  if (!options.start.empty()) return fromFactors(context, surface, lengths, options, unknowns);
   if (!positions.empty()) {
     Result<PuncturedSphereMetric> found =
         fromSpace(context, surface, lengths, positions, options, unknowns);
     if (found.status().reason() != Reason::kNoConvergence) return found;
   }
-  PuncturedSphereOptions free_choice = options;
-  if (!options.start.empty()) free_choice.infinity = kNone;
-  return fromCones(context, surface, lengths, free_choice, unknowns);
+  return fromCones(context, surface, lengths, options, unknowns);
 }
 
 }  // namespace moduli

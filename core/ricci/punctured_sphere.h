@@ -26,8 +26,7 @@ struct PuncturedSphereOptions {
   /// is one that it fixes. Empty: one unknown per vertex.
   Unknowns unknowns = {};
   /// Per vertex factors to begin with, such as those found from the other starting triangulation of
-  /// the same lengths; with `infinity`. Empty: none. Where they do not help, the search goes on as
-  /// without them.
+  /// the same lengths; with `infinity`, and then no other start is tried. Empty: none.
   std::vector<double> start = {};
 };
 

@@ -17,6 +17,7 @@
 #include "core/signature/amplitudes.h"
 #include "core/signature/canonical_circles.h"
 #include "core/signature/conformal_block.h"
+#include "core/signature/hyperbolic_invariants.h"
 #include "core/signature/mean_curvature.h"
 #include "core/signature/spectra.h"
 #include "core/spherical/circle_domain_map.h"
@@ -192,6 +193,30 @@ class SignatureBuilder {
     certificate.newton_iterations = metric.newton_iterations;
     certificate.flips = metric.flips;
     certificate.smallest_angle = metric.smallest_angle;
+    return addGeodesics(found->metric);
+  }
+
+  /// The other invariants stand without the group and its closed geodesics.
+  Status addGeodesics(const DiscreteMetric& metric) {
+    if (!signature_.conformal) return {};
+    const Context::Stage stage(context_, "geodesics");
+    const Result<HyperbolicInvariants> found = hyperbolicInvariants(context_, metric);
+    if (!found.ok()) {
+      const Reason reason = found.status().reason();
+      if (reason == Reason::kCancelled || reason == Reason::kDeadlineExceeded) {
+        return found.status();
+      }
+      signature_.certificate.warnings.push_back("GEODESICS_OMITTED: " + found.status().message());
+      return {};
+    }
+    signature_.conformal->generators = found->generators;
+    signature_.conformal->length_spectrum = found->lengths;
+    signature_.certificate.relation_residual = found->relation_residual;
+    if (found->geodesics.ok()) {
+      signature_.certificate.spectrum_complete_to = found->complete_to;
+    } else {
+      signature_.certificate.warnings.push_back("GEODESICS_OMITTED: " + found->geodesics.message());
+    }
     return {};
   }
 

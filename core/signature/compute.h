@@ -26,7 +26,8 @@ struct SignatureOptions {
 ///
 /// Circle domains get their circles; where the map to them fails, a warning CIRCLES_OMITTED says
 /// why and they are missing. Where the Euler characteristic is negative the certificate judges the
-/// hyperbolic metric of the surface (of its double).
+/// hyperbolic metric of the surface (of its double), whose group and shortest closed geodesics are
+/// there; where they are not, a warning GEODESICS_OMITTED says why.
 ///
 /// Orientation counts: turned inside out, a surface keeps its conformal factor and the power of its
 /// mean curvature, the cross spectrum changes sign, tau becomes -conj(tau), a period matrix -conj
@@ -35,11 +36,12 @@ struct SignatureOptions {
 /// then stays.
 ///
 /// Fails with kUnsupportedTopology (several components; the metric or shape space alone of other
-/// topologies than those two), kFoldedMap where the linear sphere map folds, kResidualTooLarge (a
+/// topologies than those two), kResidualTooLarge (a
 /// sphere map that is not centred to 1e-9, a holomorphic form of a torus that does not close to
 /// 1e-8 of a mean edge or whose area check fails by more than one half), and as the solvers do.
-/// Same input, same bytes; one space has the same bytes alone as among all three. About 4 F, 8 F
-/// with a hyperbolic metric, and some 50 ms whatever the size. Source: MATH 3 to 5, 8.2 to 8.4.
+/// Same input, same bytes; one space has the same bytes alone as among all three. About 7 F for
+/// spheres, 8 F with a hyperbolic metric, 4 F for tori, and some 50 ms whatever the size. Source:
+/// MATH 3 to 5, 8.2 to 8.4.
 Result<Signature> computeSignature(Context& context, const PreparedMesh& prepared,
                                    const SignatureOptions& options = {});
 

@@ -42,6 +42,11 @@ struct PeriodEntries {
   std::vector<std::complex<double>> values;  ///< size * size.
 };
 
+/// z -> (a z + b) / (conj(b) z + conj(a)), |a|^2 - |b|^2 = 1.
+struct DiskIsometry {
+  std::complex<double> a = 1, b = 0;
+};
+
 /// What no change that keeps angles alters. Errors are certified bounds for the polyhedral metric
 /// of the mesh. Where there is a boundary, periods are those of the double.
 struct ConformalBlock {
@@ -60,6 +65,10 @@ struct ConformalBlock {
   /// Circle domain: the disk less round holes that it maps to, as canonicalCircles has them. No
   /// bound of their errors; empty where the map fails.
   std::vector<Circle> circles;
+  /// Negative Euler characteristic, by the hyperbolic metric (of the double): primitive closed
+  /// geodesics, ascending, complete up to certificate.spectrum_complete_to.
+  std::vector<double> length_spectrum;
+  std::vector<DiskIsometry> generators;  ///< Of the group of that surface: A_1 B_1 A_2 B_2 ..
 };
 
 /// What bending without stretching keeps.
@@ -86,7 +95,9 @@ struct SignatureCertificate {
   std::optional<double> period_symmetry_residual;
   std::optional<double> curvature_residual, gauss_bonnet_residual;  ///< Hyperbolic metric, radians.
   std::optional<int> flips;
-  std::optional<double> smallest_angle;  ///< Of the hyperbolic triangulation, radians.
+  std::optional<double> smallest_angle;        ///< Of the hyperbolic triangulation, radians.
+  std::optional<double> relation_residual;     ///< Of the generators.
+  std::optional<double> spectrum_complete_to;  ///< Of the length spectrum.
   std::optional<double> layout_closure;
   std::optional<int> flipped_faces;
   std::optional<double> max_dilatation, mean_dilatation;

@@ -83,6 +83,14 @@ bool sound(const google::protobuf::RepeatedPtrField<v1::Circle>& circles) {
          });
 }
 
+bool sound(const google::protobuf::RepeatedPtrField<v1::DiskIsometry>& isometries) {
+  return isometries.size() <= 2 * kMaxMatrix &&
+         std::all_of(isometries.begin(), isometries.end(), [](const v1::DiskIsometry& isometry) {
+           return std::isfinite(isometry.a().re()) && std::isfinite(isometry.a().im()) &&
+                  std::isfinite(isometry.b().re()) && std::isfinite(isometry.b().im());
+         });
+}
+
 Status checkSignature(const v1::Signature& message) {
   const auto refuse = [](const std::string& what) {
     return Status(Reason::kInvalidRequest, "not a signature: " + what,
@@ -126,6 +134,14 @@ Status checkSignature(const v1::Signature& message) {
     if (!sound(block.circles())) {
       return refuse("a circle has no finite centre or no positive radius, or there are too many");
     }
+    if (!sound(block.length_spectrum()) ||
+        std::any_of(block.length_spectrum().begin(), block.length_spectrum().end(),
+                    [](double length) { return length <= 0; })) {
+      return refuse("its length spectrum holds what is not a positive number, or too much");
+    }
+    if (!sound(block.generators())) {
+      return refuse("a generator is not finite, or there are too many");
+    }
   }
   const v1::SearchVectors& vectors = message.vectors();
   if (!sound(message.metric().conformal_factor_spectrum()) ||
@@ -158,6 +174,12 @@ v1::SignatureCertificate toProto(const SignatureCertificate& certificate) {
   }
   if (certificate.flips) message.set_flips(*certificate.flips);
   if (certificate.smallest_angle) message.set_smallest_angle(*certificate.smallest_angle);
+  if (certificate.relation_residual) {
+    message.set_relation_residual(*certificate.relation_residual);
+  }
+  if (certificate.spectrum_complete_to) {
+    message.set_spectrum_complete_to(*certificate.spectrum_complete_to);
+  }
   if (certificate.layout_closure) message.set_layout_closure(*certificate.layout_closure);
   if (certificate.flipped_faces) message.set_flipped_faces(*certificate.flipped_faces);
   if (certificate.max_dilatation) message.set_max_dilatation(*certificate.max_dilatation);
@@ -184,6 +206,12 @@ SignatureCertificate fromProto(const v1::SignatureCertificate& message) {
   }
   if (message.has_flips()) certificate.flips = message.flips();
   if (message.has_smallest_angle()) certificate.smallest_angle = message.smallest_angle();
+  if (message.has_relation_residual()) {
+    certificate.relation_residual = message.relation_residual();
+  }
+  if (message.has_spectrum_complete_to()) {
+    certificate.spectrum_complete_to = message.spectrum_complete_to();
+  }
   if (message.has_layout_closure()) certificate.layout_closure = message.layout_closure();
   if (message.has_flipped_faces()) certificate.flipped_faces = message.flipped_faces();
   if (message.has_max_dilatation()) certificate.max_dilatation = message.max_dilatation();
@@ -229,6 +257,11 @@ ConformalBlock fromProto(const v1::ConformalBlock& message) {
   for (const v1::Circle& circle : message.circles()) {
     block.circles.push_back({{circle.center().re(), circle.center().im()}, circle.radius()});
   }
+  block.length_spectrum.assign(message.length_spectrum().begin(), message.length_spectrum().end());
+  for (const v1::DiskIsometry& isometry : message.generators()) {
+    block.generators.push_back(
+        {{isometry.a().re(), isometry.a().im()}, {isometry.b().re(), isometry.b().im()}});
+  }
   return block;
 }
 
@@ -257,6 +290,14 @@ v1::ConformalBlock toProto(const ConformalBlock& block) {
     message.set_energy_spectrum_error(*block.energy_spectrum_error);
   }
   for (const Circle& circle : block.circles) *message.add_circles() = toProto(circle);
+  append(block.length_spectrum, *message.mutable_length_spectrum());
+  for (const DiskIsometry& isometry : block.generators) {
+    v1::DiskIsometry& generator = *message.add_generators();
+    generator.mutable_a()->set_re(isometry.a.real());
+    generator.mutable_a()->set_im(isometry.a.imag());
+    generator.mutable_b()->set_re(isometry.b.real());
+    generator.mutable_b()->set_im(isometry.b.imag());
+  }
   return message;
 }
 

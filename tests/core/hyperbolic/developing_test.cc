@@ -78,6 +78,19 @@ TEST_P(Regular, EveryRootSeesTheSameOfASurfaceWhoseFacesAreAllAlike) {
   }
 }
 
+TEST_P(Regular, LoopsAroundAFaceAreTrivialAndEdgesBackAndForthToo) {
+  const HyperbolicTriangles triangles = sample(GetParam());
+  Context context;
+  const auto development = develop(context, triangles);
+  ASSERT_OK(development);
+  for (Index h = 0; h < triangles.surface.halfedgeCount(); h += 3) {
+    EXPECT_EQ(distanceToUnit(holonomy(triangles.surface, *development, {h, h + 1, h + 2})), 0);
+    // From the other side the walk goes around all neighbours.
+    const Index twin = triangles.surface.twin(h);
+    EXPECT_LE(distanceToUnit(holonomy(triangles.surface, *development, {h, twin})), 1e-13);
+  }
+}
+
 TEST(Develop, NoticesAConeOfATenthOfADegree) {
   for (const Index h : {3, 4, 5}) {
     HyperbolicTriangles triangles = sample("bolza");

@@ -35,6 +35,19 @@ double shortestOfShortWords(const std::vector<Su11>& generators) {
   return shortest;
 }
 
+/// Whether the point of the unit circle lies on the left of the axis.
+bool isLeftOf(const Su11& g, Complex end) {
+  const auto [repelling, attracting] = axisEnds(g);
+  return std::imag(std::conj(attracting - repelling) * (end - repelling)) > 0;
+}
+
+/// A . B = 1: the axis of B passes that of A from right to left.
+void expectCrossing(const Su11& a, const Su11& b) {
+  const auto [repelling, attracting] = axisEnds(b);
+  EXPECT_TRUE(isLeftOf(a, attracting));
+  EXPECT_FALSE(isLeftOf(a, repelling));
+}
+
 void expectCanonical(const FuchsianGroup& group, std::size_t genus) {
   ASSERT_EQ(group.generators.size(), 2 * genus);
   EXPECT_LE(group.certificate.relation_residual, 1e-11);
@@ -43,20 +56,24 @@ void expectCanonical(const FuchsianGroup& group, std::size_t genus) {
   EXPECT_NEAR(word.a.real(), 1, 1e-9);
   EXPECT_LE(distanceToUnit(word), 1e-9);
   for (const Su11& g : group.generators) EXPECT_GT(translationLength(g), 1);
+  for (std::size_t k = 0; k < genus; ++k) {
+    expectCrossing(group.generators[2 * k], group.generators[2 * k + 1]);
+  }
 }
 
-class RegularPolygon : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Genera, RegularPolygon, testing::Values(2, 3, 5));
+class PolygonGroup : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Genera, PolygonGroup, testing::Values(2, 3, 5));
 
-TEST_P(RegularPolygon, SatisfiesTheRelationWithSignPlus) {
+TEST_P(PolygonGroup, SatisfiesTheRelationWithSignPlus) {
   const std::vector<Su11> group = polygonGroup(GetParam());
   const Su11 word = evaluateWord(group, canonicalRelation(GetParam()));
   // 4 g factors of size e^R / 2, products of up to e^R: some 1e-16 e^{2 R}.
   EXPECT_NEAR(word.a.real(), 1, 1e-10);
   EXPECT_LE(distanceToUnit(word), 1e-10);
+  for (std::size_t k = 0; k < group.size(); k += 2) expectCrossing(group[k], group[k + 1]);
 }
 
-TEST_P(RegularPolygon, SurfaceGivesCanonicalGenerators) {
+TEST_P(PolygonGroup, SurfaceGivesCanonicalGenerators) {
   const auto triangles = hyperbolicTriangles(polygonSurface(GetParam()));
   ASSERT_OK(triangles);
   Context context;
@@ -65,7 +82,7 @@ TEST_P(RegularPolygon, SurfaceGivesCanonicalGenerators) {
   expectCanonical(*group, GetParam());
 }
 
-TEST(FuchsianGroup, RegularPolygonsHaveTheirTraces) {
+TEST(FuchsianGroup, PolygonGroupsHaveTheirTraces) {
   for (const int g : {2, 3, 5}) {
     for (const Su11& generator : polygonGroup(g)) {
       const double expected = 2 + 2 * std::cos(std::numbers::pi / (2 * g));

@@ -11,6 +11,7 @@
 #include "core/mesh/prepare.h"
 #include "core/mesh/read.h"
 #include "core/ricci/uniformize.h"
+#include "core/topology/surface_topology.h"
 #include "tests/core/forms/surfaces.h"
 #include "tests/core/testing.h"
 
@@ -83,6 +84,55 @@ TEST_P(BorderedMesh, HasTheGroupOfItsDouble) {
   const auto surface = readSurface(path);
   ASSERT_OK(surface);
   expectGroup(*surface);
+}
+
+/// The halfedges between neighbours of a loop of vertices, where each is there once; else empty.
+std::vector<Index> edgesBetween(const Connectivity& surface, const std::vector<Index>& vertices) {
+  std::vector<Index> loop;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const Index head = vertices[(i + 1) % vertices.size()];
+    int count = 0;
+    const Index first = surface.outgoing(vertices[i]);
+    Index h = first;
+    do {
+      if (surface.head(h) == head && count++ == 0) loop.push_back(h);
+      h = surface.rotate(h);
+    } while (h != first);
+    if (count != 1) return {};
+  }
+  return loop;
+}
+
+/// Meshes whose flips leave the edges of some boundary loop.
+class BorderInEdges : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Doubles, BorderInEdges,
+                         testing::Values("multi_boundary/gpeyre__pipes.off",
+                                         "multi_boundary/libigl-data__halftunnel.off"));
+
+TEST_P(BorderInEdges, BoundaryIsMadeOfClosedGeodesicsOfTheDouble) {
+  MODULI_NEED_SHARED_MESH(path, GetParam());
+  const auto given = readSurface(path);
+  ASSERT_OK(given);
+  const auto triangles = uniformized(*given);
+  ASSERT_OK(triangles);
+  Context context;
+  const auto development = develop(context, *triangles);
+  ASSERT_OK(development);
+  int found = 0;
+  for (const std::vector<Index>& halfedges : computeTopology(given->surface).boundary_loops) {
+    std::vector<Index> vertices;
+    for (const Index h : halfedges) vertices.push_back(given->surface.tail(h));
+    // Flips may have taken edges of the boundary away; the double keeps the numbers of vertices.
+    const std::vector<Index> loop = edgesBetween(triangles->surface, vertices);
+    if (loop.empty()) continue;
+    ++found;
+    double sum = 0;
+    for (const Index h : loop) sum += triangles->lengths[h];
+    const double length = translationLength(holonomy(triangles->surface, *development, loop));
+    // A hundred lengths of faces, angles of pi to some 1e-13 between them.
+    EXPECT_NEAR(length, sum, 1e-10 * std::max(1.0, sum));
+  }
+  EXPECT_GT(found, 0);
 }
 
 /// The lengths of the closed geodesics up to 1.4 systoles.

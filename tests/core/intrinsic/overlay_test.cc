@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/intrinsic/delaunay.h"
 #include "core/intrinsic/subdivide.h"
 #include "tests/core/testing.h"
 
@@ -121,6 +122,69 @@ TEST(Overlay, OfPolygonsOnACircleIsPlaneGeometry) {
         EXPECT_NEAR(std::abs(there - by_weights), 0, 1e-12);
       }
     }
+  }
+}
+
+TEST(Overlay, OfIsometricFlipsMeetsTheSameEdgesInTheSameOrder) {
+  // A grid whose points are moved about, and its Delaunay triangulation in the plane.
+  Context context;
+  constexpr Index kSide = 12;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> shift(-0.45, 0.45);
+  std::vector<Complex> points;
+  for (Index j = 0; j <= kSide; ++j) {
+    for (Index i = 0; i <= kSide; ++i) {
+      const bool rim = i == 0 || j == 0 || i == kSide || j == kSide;
+      points.emplace_back(2.5 * i + (rim ? 0 : 2.5 * shift(random)), j + (rim ? 0 : shift(random)));
+    }
+  }
+  std::vector<Triangle> faces;
+  const auto turn = [&](Index a, Index b, Index c) {
+    return cross(points[b] - points[a], points[c] - points[a]);
+  };
+  for (Index j = 0; j < kSide; ++j) {
+    for (Index i = 0; i < kSide; ++i) {
+      const Index a = j * (kSide + 1) + i, b = a + 1, c = b + kSide + 1, d = c - 1;
+      if (turn(a, b, c) > 0 && turn(a, c, d) > 0) {
+        faces.push_back({a, b, c});
+        faces.push_back({a, c, d});
+      } else {
+        faces.push_back({a, b, d});
+        faces.push_back({b, c, d});
+      }
+    }
+  }
+  for (const auto& [a, b, c] : faces) ASSERT_GT(turn(a, b, c), 0);
+  const Connectivity surface = *Connectivity::fromFaces(static_cast<Index>(points.size()), faces);
+  std::vector<double> half_chords;
+  for (Index e = 0; e < surface.edgeCount(); ++e) {
+    const Index h = surface.halfedge(e);
+    half_chords.push_back(std::abs(points[surface.tail(h)] - points[surface.head(h)]) / 2);
+  }
+  IntrinsicTriangulation last(surface, half_chords);
+  const auto flips = flipToDelaunayIsometric(context, last);
+  ASSERT_OK(flips);
+  EXPECT_GT(*flips, 50U);
+  const auto overlay = Overlay::make(context, last);
+  ASSERT_OK(overlay);
+  for (Index e = 0; e < surface.edgeCount(); ++e) {
+    const Complex a = points[surface.tail(surface.halfedge(e))];
+    const Complex b = points[surface.head(surface.halfedge(e))];
+    std::map<double, std::pair<Index, Index>> expected;
+    for (Index h = 0; h < last.halfedgeCount(); ++h) {
+      if (last.twin(h) != kNone && last.twin(h) < h) continue;
+      const Complex c = points[last.tail(h)], d = points[last.head(h)];
+      if (c == a || c == b || d == a || d == b) continue;
+      const bool apart = (cross(b - a, c - a) > 0) != (cross(b - a, d - a) > 0) &&
+                         (cross(d - c, a - c) > 0) != (cross(d - c, b - c) > 0);
+      if (apart) expected[meeting(a, b, c, d)] = std::minmax(last.tail(h), last.head(h));
+    }
+    std::vector<std::pair<Index, Index>> in_order, found;
+    for (const auto& [fraction, ends] : expected) in_order.push_back(ends);
+    for (const Crossing& crossing : overlay->crossings(e)) {
+      found.push_back(std::minmax(last.tail(crossing.halfedge), last.head(crossing.halfedge)));
+    }
+    EXPECT_EQ(found, in_order) << e;
   }
 }
 

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/context.h"
+#include "core/ricci/discrete_metric.h"
+#include "core/signature/signature.h"
+
+namespace moduli {
+
+/// What a hyperbolic surface has beside its metric.
+struct HyperbolicInvariants {
+  std::vector<DiskIsometry> generators;
+  std::vector<double> lengths;  ///< Primitive closed geodesics, ascending.
+  double complete_to = 0;       ///< All geodesics up to this length are there; 0: none was found.
+  double relation_residual = 0;
+  Status geodesics;  ///< Why they are missing, if they are.
+};
+
+/// The group of a closed surface of genus 2 or more and its closed geodesics up to kSpectrumReach
+/// systoles, as far as some ten thousand elements of the group tell. Fails as computeFuchsianGroup
+/// does; where the geodesics alone fail, as orbitPolygon and systoles do, the rest stands. Source:
+/// MATH 7.
+Result<HyperbolicInvariants> hyperbolicInvariants(Context& context, const DiscreteMetric& metric);
+
+inline constexpr double kSpectrumReach = 1.5;
+
+}  // namespace moduli
