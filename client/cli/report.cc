@@ -117,6 +117,10 @@ std::string conformalLines(const v1::ConformalBlock& block) {
   if (block.length_spectrum_size() > 0) {
     text += line("geodesics", spectrumText(block.length_spectrum()));
   }
+  if (block.has_fenchel_nielsen()) {
+    text += line("pants", "lengths " + spectrumText(block.fenchel_nielsen().lengths()));
+    text += line("", "twists " + spectrumText(block.fenchel_nielsen().twists()));
+  }
   return text + circleLines(block.circles());
 }
 

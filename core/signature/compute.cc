@@ -211,6 +211,7 @@ class SignatureBuilder {
     }
     signature_.conformal->generators = found->generators;
     signature_.conformal->length_spectrum = found->lengths;
+    signature_.conformal->fenchel_nielsen = found->pants;
     signature_.certificate.relation_residual = found->relation_residual;
     if (found->geodesics.ok()) {
       signature_.certificate.spectrum_complete_to = found->complete_to;

@@ -5,6 +5,7 @@
 #include "core/hyperbolic/dirichlet_domain.h"
 #include "core/hyperbolic/fuchsian_group.h"
 #include "core/hyperbolic/length_spectrum.h"
+#include "core/hyperbolic/pants.h"
 
 namespace moduli {
 namespace {
@@ -12,15 +13,34 @@ namespace {
 /// Some 0.2 s.
 constexpr std::size_t kElements = 40'000;
 
+bool stops(const Status& status) {
+  return status.reason() == Reason::kCancelled || status.reason() == Reason::kDeadlineExceeded;
+}
+
 /// The shortest geodesics, and those up to kSpectrumReach of them where that is not too much.
-Result<LengthSpectrum> shortGeodesics(Context& context, const FuchsianGroup& group) {
-  ASSIGN_OR_RETURN(const OrbitPolygon polygon, orbitPolygon(context, group));
-  SpectrumOptions options;
-  options.most_elements = kElements;
+Result<LengthSpectrum> shortGeodesics(Context& context, const OrbitPolygon& polygon,
+                                      const SpectrumOptions& options) {
   ASSIGN_OR_RETURN(LengthSpectrum shortest, systoles(context, polygon, options));
   const double reach = kSpectrumReach * shortest.geodesics.front().length;
   ASSIGN_OR_RETURN(LengthSpectrum spectrum, lengthSpectrum(context, polygon, reach, options));
   return spectrum.complete_to < shortest.complete_to ? std::move(shortest) : std::move(spectrum);
+}
+
+/// What the polygon tells beside the generators. Pants may take too long to find, and are left out
+/// then.
+Status addGeodesics(Context& context, const FuchsianGroup& group, HyperbolicInvariants& result) {
+  ASSIGN_OR_RETURN(const OrbitPolygon polygon, orbitPolygon(context, group));
+  SpectrumOptions options;
+  options.most_elements = kElements;
+  ASSIGN_OR_RETURN(const LengthSpectrum spectrum, shortGeodesics(context, polygon, options));
+  for (const ClosedGeodesic& geodesic : spectrum.geodesics) {
+    result.lengths.push_back(geodesic.length);
+  }
+  result.complete_to = spectrum.complete_to;
+  const Result<PantsDecomposition> pants = pantsDecomposition(context, polygon, options);
+  if (stops(pants.status())) return pants.status();
+  if (pants.ok()) result.pants = {pants->coordinates.lengths, pants->coordinates.twists};
+  return {};
 }
 
 }  // namespace
@@ -33,15 +53,8 @@ Result<HyperbolicInvariants> hyperbolicInvariants(Context& context, const Discre
     result.generators.push_back({generator.a, generator.b});
   }
   result.relation_residual = group.certificate.relation_residual;
-  const Result<LengthSpectrum> spectrum = shortGeodesics(context, group);
-  const Reason reason = spectrum.status().reason();
-  if (reason == Reason::kCancelled || reason == Reason::kDeadlineExceeded) return spectrum.status();
-  result.geodesics = spectrum.status();
-  if (!spectrum.ok()) return result;
-  for (const ClosedGeodesic& geodesic : spectrum->geodesics) {
-    result.lengths.push_back(geodesic.length);
-  }
-  result.complete_to = spectrum->complete_to;
+  result.geodesics = addGeodesics(context, group, result);
+  if (stops(result.geodesics)) return result.geodesics;
   return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/base/context.h"
@@ -14,7 +15,8 @@ struct HyperbolicInvariants {
   std::vector<double> lengths;  ///< Primitive closed geodesics, ascending.
   double complete_to = 0;       ///< All geodesics up to this length are there; 0: none was found.
   double relation_residual = 0;
-  Status geodesics;  ///< Why they are missing, if they are.
+  std::optional<PantsCoordinates> pants;
+  Status geodesics;  ///< Why lengths are missing, if they are.
 };
 
 /// The group of a closed surface of genus 2 or more and its closed geodesics up to kSpectrumReach

@@ -47,6 +47,11 @@ struct DiskIsometry {
   std::complex<double> a = 1, b = 0;
 };
 
+/// Fenchel-Nielsen coordinates, 3 g - 3 each, ascending by length; twists as signed lengths.
+struct PantsCoordinates {
+  std::vector<double> lengths, twists;
+};
+
 /// What no change that keeps angles alters. Errors are certified bounds for the polyhedral metric
 /// of the mesh. Where there is a boundary, periods are those of the double.
 struct ConformalBlock {
@@ -69,6 +74,7 @@ struct ConformalBlock {
   /// geodesics, ascending, complete up to certificate.spectrum_complete_to.
   std::vector<double> length_spectrum;
   std::vector<DiskIsometry> generators;  ///< Of the group of that surface: A_1 B_1 A_2 B_2 ..
+  std::optional<PantsCoordinates> fenchel_nielsen;  ///< Of that surface.
 };
 
 /// What bending without stretching keeps.

@@ -142,6 +142,11 @@ Status checkSignature(const v1::Signature& message) {
     if (!sound(block.generators())) {
       return refuse("a generator is not finite, or there are too many");
     }
+    const v1::FenchelNielsen& pants = block.fenchel_nielsen();
+    if (!sound(pants.lengths()) || !sound(pants.twists()) ||
+        pants.lengths_size() != pants.twists_size()) {
+      return refuse("its Fenchel-Nielsen coordinates are not finite, or not as many of each kind");
+    }
   }
   const v1::SearchVectors& vectors = message.vectors();
   if (!sound(message.metric().conformal_factor_spectrum()) ||
@@ -258,6 +263,11 @@ ConformalBlock fromProto(const v1::ConformalBlock& message) {
     block.circles.push_back({{circle.center().re(), circle.center().im()}, circle.radius()});
   }
   block.length_spectrum.assign(message.length_spectrum().begin(), message.length_spectrum().end());
+  if (message.has_fenchel_nielsen()) {
+    const v1::FenchelNielsen& pants = message.fenchel_nielsen();
+    block.fenchel_nielsen = {{pants.lengths().begin(), pants.lengths().end()},
+                             {pants.twists().begin(), pants.twists().end()}};
+  }
   for (const v1::DiskIsometry& isometry : message.generators()) {
     block.generators.push_back(
         {{isometry.a().re(), isometry.a().im()}, {isometry.b().re(), isometry.b().im()}});
@@ -291,6 +301,11 @@ v1::ConformalBlock toProto(const ConformalBlock& block) {
   }
   for (const Circle& circle : block.circles) *message.add_circles() = toProto(circle);
   append(block.length_spectrum, *message.mutable_length_spectrum());
+  if (block.fenchel_nielsen) {
+    v1::FenchelNielsen& pants = *message.mutable_fenchel_nielsen();
+    append(block.fenchel_nielsen->lengths, *pants.mutable_lengths());
+    append(block.fenchel_nielsen->twists, *pants.mutable_twists());
+  }
   for (const DiskIsometry& isometry : block.generators) {
     v1::DiskIsometry& generator = *message.add_generators();
     generator.mutable_a()->set_re(isometry.a.real());

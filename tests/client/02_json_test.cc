@@ -74,9 +74,10 @@ TEST_F(JsonOutput, SignatureOfAPretzelHasItsPeriods) {
   EXPECT_THAT(json.keys(), UnorderedElementsAre("topology", "conformal", "vectors",
                                                 "descriptor_version", "certificate", "timing"));
   const Json block = json["conformal"];
-  EXPECT_THAT(block.keys(), UnorderedElementsAre("type", "period_matrix", "period_error",
-                                                 "energy_spectrum", "energy_spectrum_error",
-                                                 "circles", "length_spectrum", "generators"));
+  EXPECT_THAT(block.keys(),
+              UnorderedElementsAre("type", "period_matrix", "period_error", "energy_spectrum",
+                                   "energy_spectrum_error", "circles", "length_spectrum",
+                                   "generators", "fenchel_nielsen"));
   EXPECT_EQ(block["circles"].size(), 0);
   EXPECT_EQ(block["type"].string(), "HYPERBOLIC");
   EXPECT_EQ(block["period_matrix"]["size"].number(), 2);
