@@ -39,6 +39,7 @@ Status addGeodesics(Context& context, const FuchsianGroup& group, HyperbolicInva
   result.complete_to = spectrum.complete_to;
   const Result<PantsDecomposition> pants = pantsDecomposition(context, polygon, options);
   if (stops(pants.status())) return pants.status();
+  result.pants_curves = pants.status();
   if (pants.ok()) result.pants = {pants->coordinates.lengths, pants->coordinates.twists};
   return {};
 }

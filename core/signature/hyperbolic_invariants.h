@@ -16,7 +16,8 @@ struct HyperbolicInvariants {
   double complete_to = 0;       ///< All geodesics up to this length are there; 0: none was found.
   double relation_residual = 0;
   std::optional<PantsCoordinates> pants;
-  Status geodesics;  ///< Why lengths are missing, if they are.
+  Status geodesics;     ///< Why lengths are missing, if they are.
+  Status pants_curves;  ///< Why pants are missing where lengths are there.
 };
 
 /// The group of a closed surface of genus 2 or more and its closed geodesics up to kSpectrumReach
