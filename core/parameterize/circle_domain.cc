@@ -10,6 +10,7 @@
 #include "core/intrinsic/mollify.h"
 #include "core/parameterize/disk.h"
 #include "core/parameterize/genus_zero.h"
+#include "core/parameterize/ideal_certificate.h"
 #include "core/parameterize/refine.h"
 #include "core/spherical/cap_loops.h"
 #include "core/spherical/circle_domain_map.h"
@@ -137,8 +138,7 @@ class CircleDomainMapping {
     if (result_.circles.size() == 2) {
       result_.modulus = -std::log(result_.circles[1].radius) / (2 * std::numbers::pi);
     }
-    result_.corner.clear();
-    for (Index h = 0; h < surface.halfedgeCount(); ++h) result_.corner.push_back(surface.tail(h));
+    result_.corner = vertexCorners(surface);
     return {};
   }
 
@@ -208,16 +208,10 @@ class CircleDomainMapping {
     return ordered;
   }
 
+  /// The sphere's centre means nothing in the plane.
   void certify(const IdealPolyhedron& ideal) {
-    MapCertificate& certificate = result_.certificate;
-    const MetricCertificate& metric = ideal.metric.metric.certificate;
-    certificate.curvature_residual = metric.curvature_residual;
-    certificate.gauss_bonnet_residual = metric.gauss_bonnet_residual;
-    certificate.layout_closure = ideal.layout_closure;
-    certificate.max_link_angle = ideal.metric.max_link_angle;
-    certificate.smallest_angle = metric.smallest_angle;
-    certificate.newton_iterations = metric.newton_iterations;
-    certificate.flips = metric.flips;
+    certifyIdeal(ideal, result_.certificate);
+    result_.certificate.centering_residual.reset();
   }
 
   Context& context_;

@@ -6,6 +6,7 @@
 
 #include "core/intrinsic/mollify.h"
 #include "core/parameterize/genus_zero.h"
+#include "core/parameterize/ideal_certificate.h"
 #include "core/parameterize/ideal_disk_map.h"
 #include "core/spherical/disk_map.h"
 
@@ -42,7 +43,7 @@ Result<Parameterization> wrapped(const Result<DiskMap>& map, const DiskOptions& 
   }
   result.certificate.boundary_deviation = map->boundary_deviation;
   if (!options.mobius) result.certificate.centering_residual = map->centering_residual;
-  for (Index h = 0; h < surface.halfedgeCount(); ++h) result.corner.push_back(surface.tail(h));
+  result.corner = vertexCorners(surface);
   return result;
 }
 

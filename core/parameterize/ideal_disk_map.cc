@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/parameterize/genus_zero.h"
+#include "core/parameterize/ideal_certificate.h"
 #include "core/parameterize/refine.h"
 #include "core/spherical/exact_sign.h"
 
@@ -74,7 +75,7 @@ class IdealDiskMapping {
     Parameterization result = certified(disk);
     result.certificate.quality = measurePlaneMap(surface_, lengths_, points);
     result.points = points;
-    nameCorners(surface_, result);
+    result.corner = vertexCorners(surface_);
     return result;
   }
 
@@ -96,7 +97,7 @@ class IdealDiskMapping {
       return foldedMap(options_.map, quality.flipped_faces, refined.surface.faceCount(),
                        "its limbs are thinner than doubles tell apart");
     }
-    nameCorners(refined.surface, result);
+    result.corner = vertexCorners(refined.surface);
     result.subdivision = std::move(refined.subdivision);
     return result;
   }
@@ -104,23 +105,9 @@ class IdealDiskMapping {
   Parameterization certified(const IdealDisk& disk) const {
     Parameterization result;
     result.method = MapMethod::kRobust;
-    const PuncturedSphereMetric& punctured = disk.polyhedron.metric;
-    const MetricCertificate& metric = punctured.metric.certificate;
-    MapCertificate& certificate = result.certificate;
-    certificate.curvature_residual = metric.curvature_residual;
-    certificate.gauss_bonnet_residual = metric.gauss_bonnet_residual;
-    certificate.layout_closure = disk.polyhedron.layout_closure;
-    certificate.max_link_angle = punctured.max_link_angle;
-    certificate.smallest_angle = metric.smallest_angle;
-    certificate.centering_residual = disk.polyhedron.centering_residual;
-    certificate.boundary_deviation = disk.boundary_deviation;
-    certificate.newton_iterations = metric.newton_iterations;
-    certificate.flips = metric.flips;
+    certifyIdeal(disk.polyhedron, result.certificate);
+    result.certificate.boundary_deviation = disk.boundary_deviation;
     return result;
-  }
-
-  static void nameCorners(const Connectivity& surface, Parameterization& result) {
-    for (Index h = 0; h < surface.halfedgeCount(); ++h) result.corner.push_back(surface.tail(h));
   }
 
   Context& context_;

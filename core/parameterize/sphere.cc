@@ -5,6 +5,7 @@
 
 #include "core/intrinsic/mollify.h"
 #include "core/parameterize/genus_zero.h"
+#include "core/parameterize/ideal_certificate.h"
 #include "core/parameterize/refine.h"
 #include "core/spherical/exact_sign.h"
 #include "core/spherical/heat_flow.h"
@@ -109,12 +110,12 @@ class SphereMapping {
   }
 
   Status keep(IdealPolyhedron& ideal) {
-    certify(ideal);
+    certifyIdeal(ideal, result_.certificate);
     return finish(std::move(ideal.points), surface_, lengths_);
   }
 
   Status refine(const IdealPolyhedron& ideal) {
-    certify(ideal);
+    certifyIdeal(ideal, result_.certificate);
     ASSIGN_OR_RETURN(RefinedSurface refined,
                      refineFolds(context_, surface_, lengths_, ideal, folds(ideal)));
     result_.subdivision = std::move(refined.subdivision);
@@ -136,21 +137,8 @@ class SphereMapping {
                            : "its limbs are thinner than doubles tell apart on a sphere");
     }
     result_.sphere = std::move(points);
-    for (Index h = 0; h < surface.halfedgeCount(); ++h) result_.corner.push_back(surface.tail(h));
+    result_.corner = vertexCorners(surface);
     return {};
-  }
-
-  void certify(const IdealPolyhedron& ideal) {
-    MapCertificate& certificate = result_.certificate;
-    const MetricCertificate& metric = ideal.metric.metric.certificate;
-    certificate.curvature_residual = metric.curvature_residual;
-    certificate.gauss_bonnet_residual = metric.gauss_bonnet_residual;
-    certificate.layout_closure = ideal.layout_closure;
-    certificate.max_link_angle = ideal.metric.max_link_angle;
-    certificate.smallest_angle = metric.smallest_angle;
-    certificate.centering_residual = ideal.centering_residual;
-    certificate.newton_iterations = metric.newton_iterations;
-    certificate.flips = metric.flips;
   }
 
   Context& context_;
