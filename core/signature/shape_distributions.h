@@ -22,7 +22,7 @@ struct ShapeDistributions {
 
 /// D1 from all points; D2 from all pairs of 512 of them, D3 and A3 from all triples of 96, which
 /// stand for the points nearest to them. They are chosen by farthestSample: no random numbers.
-/// Fails as it does. About 1 F, and some 30 ms whatever the size. Source: Osada et al. 2002.
+/// Fails as it does. About 2 F, and some 30 ms whatever the size. Source: Osada et al. 2002.
 Result<ShapeDistributions> shapeDistributions(Context& context, const SurfacePoints& points);
 
 }  // namespace moduli
