@@ -53,6 +53,7 @@ std::vector<Su11> crossings(const HyperbolicTriangles& triangles) {
   for (Index e = 0; e < surface.edgeCount(); ++e) {
     const Index h = surface.halfedge(e);
     const Index twin = surface.twin(h);
+    if (twin == kNone) continue;
     crossing[h] = renormalized(cornerFrame(triangles, h) * edgeHalfTurn(triangles.lengths[h]) *
                                inverse(cornerFrame(triangles, twin)));
     crossing[twin] = inverse(crossing[h]);
@@ -127,6 +128,7 @@ class Layout {
     if (result.distance[f] > result.distance[result.farthest]) result.farthest = f;
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       const Index entry = surface_.twin(h);
+      if (entry == kNone) continue;
       const Index g = Connectivity::faceOf(entry);
       if (result.distance[g] >= 0) continue;
       queue.push({displacement(result.placed[f] * crossing_[h] * centre_[g]), entry});
@@ -177,6 +179,7 @@ Result<std::pair<Index, Layout::Placement>> layoutFromTheMiddle(Context& context
 double vertexResidual(const Connectivity& surface, const std::vector<Su11>& crossing) {
   double worst = 0;
   for (Index v = 0; v < surface.vertexCount(); ++v) {
+    if (surface.isBoundaryVertex(v)) continue;
     Su11 product;
     const Index first = surface.outgoing(v);
     Index h = first;
