@@ -12,15 +12,16 @@
 #include "core/base/text.h"
 #include "core/mesh/sample_tools.h"
 #include "core/mesh/write.h"
+#include "core/retrieval/precision_recall.h"
 #include "tests/bench/retrieval/score.h"
 #include "tests/bench/retrieval/variants.h"
 
 /// moduli_retrieval_bench [--max-faces N] [--seed N] [--shapes LABEL,...] [--descriptors NAME,...]
-///                        [--out DIR] [--json] [--verbose]
+///                        [--out DIR] [--curves FILE.svg] [--json] [--verbose]
 ///
 /// Makes the benchmark of variants.h, scores descriptors on it and prints tables. --descriptors: of
 /// moduli, D2, LB; "none" to make the benchmark alone. --out: writes DIR/LABEL/NAME.off and
-/// DIR/manifest.csv.
+/// DIR/manifest.csv. --curves: draws precision over recall.
 namespace moduli {
 namespace {
 
@@ -30,6 +31,7 @@ struct Settings {
   std::set<std::string> shapes;  ///< Empty: all.
   std::set<std::string> descriptors = {"moduli", "D2", "LB"};
   std::string out;
+  std::string curves;
   bool json = false;
   bool verbose = false;
 };
@@ -47,7 +49,7 @@ std::set<std::string> splitAtCommas(const std::string& text) {
 Status usage(const std::string& what) {
   return {Reason::kInvalidOption, what,
           "options are --max-faces N, --seed N, --shapes LABEL,..., --descriptors NAME,..., --out "
-          "DIR, --json, --verbose"};
+          "DIR, --curves FILE.svg, --json, --verbose"};
 }
 
 Result<std::size_t> countOf(const std::string& option, const std::string& text) {
@@ -76,6 +78,8 @@ Result<Settings> parse(const std::vector<std::string>& arguments) {
       settings.descriptors = splitAtCommas(value);
     } else if (option == "--out") {
       settings.out = value;
+    } else if (option == "--curves") {
+      settings.curves = value;
     } else {
       return usage("there is no option '" + option + "'");
     }
@@ -141,6 +145,15 @@ Result<std::vector<DescriptorScores>> scoreAll(Context& context, const Settings&
   return all;
 }
 
+Status drawCurves(const std::string& file, const std::vector<DescriptorScores>& scores) {
+  std::vector<PrecisionRecallCurve> curves;
+  for (const DescriptorScores& score : scores) {
+    curves.push_back({score.name, score.evaluation.precision});
+  }
+  ASSIGN_OR_RETURN(const std::string svg, drawPrecisionRecall(curves));
+  return writeFile(file, svg);
+}
+
 void printSummary(const std::vector<Variant>& variants) {
   std::set<std::string> labels;
   std::size_t least = variants.front().soup.faces.size(), most = least;
@@ -175,6 +188,7 @@ Status run(const std::vector<std::string>& arguments) {
   if (!settings.out.empty()) RETURN_IF_ERROR(writeAll(settings.out, variants));
   shuffle(variants, settings.seed);
   ASSIGN_OR_RETURN(const auto scores, scoreAll(context, settings, variants));
+  if (!settings.curves.empty()) RETURN_IF_ERROR(drawCurves(settings.curves, scores));
   if (settings.json) {
     std::fputs(scoreJson(scores).c_str(), stdout);
     return {};
