@@ -187,6 +187,21 @@ TEST(Punched, LeavesOneLoopAroundItsShareOfTheArea) {
   EXPECT_LE(lost, 0.03 * before->area() + *std::max_element(areas.begin(), areas.end()));
 }
 
+// Disks so large that they meet themselves around the torus.
+TEST(Punched, IsADiskAlsoWhereItWrapsAround) {
+  const TriangleSoup torus = sample("torus", 8);
+  for (int seed = 1; seed <= 10; ++seed) {
+    for (const double share : {0.02, 0.2, 0.5}) {
+      SampleRandom random(seed);
+      const auto result = punched(torus, share, random);
+      ASSERT_OK(result);
+      const auto mesh = TriangleMesh::fromSoup(*result);
+      ASSERT_OK(mesh);
+      EXPECT_EQ(mesh->connectivity().eulerCharacteristic(), -1) << seed << ", " << share;
+    }
+  }
+}
+
 // Eigenvalues of the unit sphere are l (l + 1), 2 l + 1 times, here times the area 4 pi; linear
 // elements with edges h are off by a share of about l (l + 1) h^2 / 12, so twice the resolution
 // takes the error to a quarter.

@@ -62,14 +62,15 @@ SparseMatrix normalizedStiffness(const Connectivity& surface, const std::vector<
 Result<std::vector<double>> laplaceSpectrum(Context& context, const TriangleMesh& mesh, int count) {
   constexpr double kShift = 1;  // Eigenvalue k is about 4 pi k.
   const Connectivity& surface = mesh.connectivity();
-  if (surface.vertexCount() < 4 * count) {
+  const int space = 2 * count + 20;  // Of Krylov vectors.
+  if (surface.vertexCount() <= space) {
     return Status(Reason::kInvalidOption, "the mesh is too small for that many eigenvalues");
   }
   ASSIGN_OR_RETURN(const MollifiedLengths metric, mollify(surface, mesh.edgeLengths()));
   const SparseMatrix matrix = normalizedStiffness(surface, unitLengths(metric.lengths), kShift);
   ASSIGN_OR_RETURN(const SpdSolver solver, SpdSolver::make(context, matrix));
   ShiftedInverse inverse(context, solver, surface.vertexCount());
-  Spectra::SymEigsSolver<ShiftedInverse> eigen(inverse, count + 1, 2 * count + 20);
+  Spectra::SymEigsSolver<ShiftedInverse> eigen(inverse, count + 1, space);
   eigen.init();
   eigen.compute(Spectra::SortRule::LargestMagn, 300, 1e-9);
   RETURN_IF_ERROR(inverse.failure());

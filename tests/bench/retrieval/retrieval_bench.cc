@@ -16,8 +16,9 @@
 #include "tests/bench/retrieval/score.h"
 #include "tests/bench/retrieval/variants.h"
 
-/// moduli_retrieval_bench [--max-faces N] [--seed N] [--shapes LABEL,...] [--descriptors NAME,...]
-///                        [--out DIR] [--curves FILE.svg] [--json] [--verbose]
+/// moduli_retrieval_bench [--max-faces N] [--seed N] [--shapes LABEL,...] [--kinds KIND,...]
+///                        [--descriptors NAME,...] [--out DIR] [--curves FILE.svg] [--json]
+///                        [--verbose]
 ///
 /// Makes the benchmark of variants.h, scores descriptors on it and prints tables. --descriptors: of
 /// moduli, D2, LB; "none" to make the benchmark alone. --out: writes DIR/LABEL/NAME.off and
@@ -29,6 +30,7 @@ struct Settings {
   BaseOptions base;
   std::size_t seed = 1;
   std::set<std::string> shapes;  ///< Empty: all.
+  std::set<std::string> kinds;   ///< Of variants; empty: all.
   std::set<std::string> descriptors = {"moduli", "D2", "LB"};
   std::string out;
   std::string curves;
@@ -47,9 +49,10 @@ std::set<std::string> splitAtCommas(const std::string& text) {
 }
 
 Status usage(const std::string& what) {
-  return {Reason::kInvalidOption, what,
-          "options are --max-faces N, --seed N, --shapes LABEL,..., --descriptors NAME,..., --out "
-          "DIR, --curves FILE.svg, --json, --verbose"};
+  return {
+      Reason::kInvalidOption, what,
+      "options are --max-faces N, --seed N, --shapes LABEL,..., --kinds KIND,..., --descriptors "
+      "NAME,..., --out DIR, --curves FILE.svg, --json, --verbose"};
 }
 
 Result<std::size_t> countOf(const std::string& option, const std::string& text) {
@@ -74,6 +77,8 @@ Result<Settings> parse(const std::vector<std::string>& arguments) {
       ASSIGN_OR_RETURN(settings.seed, countOf(option, value));
     } else if (option == "--shapes") {
       settings.shapes = splitAtCommas(value);
+    } else if (option == "--kinds") {
+      settings.kinds = splitAtCommas(value);
     } else if (option == "--descriptors") {
       settings.descriptors = splitAtCommas(value);
     } else if (option == "--out") {
@@ -109,6 +114,9 @@ Result<std::vector<Variant>> makeAll(Context& context, const Settings& settings)
   for (auto& of_shape : made) {
     if (!of_shape.ok()) return of_shape.status();
     std::move(of_shape->begin(), of_shape->end(), std::back_inserter(variants));
+  }
+  if (!settings.kinds.empty()) {
+    std::erase_if(variants, [&](const auto& v) { return !settings.kinds.contains(v.kind); });
   }
   return variants;
 }
@@ -184,7 +192,7 @@ Status run(const std::vector<std::string>& arguments) {
   ASSIGN_OR_RETURN(const Settings settings, parse(arguments));
   Context context;
   ASSIGN_OR_RETURN(std::vector<Variant> variants, makeAll(context, settings));
-  if (variants.empty()) return usage("no shape has one of these labels");
+  if (variants.empty()) return usage("no variant has one of these labels and kinds");
   if (!settings.out.empty()) RETURN_IF_ERROR(writeAll(settings.out, variants));
   shuffle(variants, settings.seed);
   ASSIGN_OR_RETURN(const auto scores, scoreAll(context, settings, variants));
