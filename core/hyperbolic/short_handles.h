@@ -3,15 +3,11 @@
 #include <vector>
 
 #include "core/base/context.h"
+#include "core/hyperbolic/handle_moves.h"
 #include "core/hyperbolic/wide_su11.h"
 
 /// Canonical generators of a surface's group that move a point as little as can be found.
 namespace moduli {
-
-/// Two elements whose commutators multiply to 1, in order: prod [a_k, b_k] = 1.
-struct GroupHandle {
-  WideSu11 a, b;
-};
 
 /// Handles with prod [a_k, b_k] = `relation` for a surface given by letters and the boundary word
 /// of a polygon (each of 1 .. 2 g once with either sign, all corners at one point). Handles are
@@ -32,8 +28,8 @@ double roundingGrowth(const std::vector<GroupHandle>& handles);
 /// loops that link neighbouring handles (these generate the mapping class group: Lickorish 1964),
 /// along the loops around one or several handles, and exchanges of neighbours; the best one each
 /// time, until none helps. Between them all is conjugated so that 0 comes to where the sum is
-/// smallest. O(g^2) a move, at most some hundred a handle; a local minimum. Fails as the context
-/// does.
+/// smallest. O(g^2) a move, at most some hundred a handle; a local minimum. Fails as
+/// the context does.
 Result<std::vector<GroupHandle>> shortenHandles(Context& context, std::vector<GroupHandle> handles,
                                                 double corner_weight);
 
