@@ -117,6 +117,9 @@ std::string conformalLines(const v1::ConformalBlock& block) {
   if (block.length_spectrum_size() > 0) {
     text += line("geodesics", spectrumText(block.length_spectrum()));
   }
+  if (block.boundary_lengths_size() > 0) {
+    text += line("boundary", "geodesics of length " + spectrumText(block.boundary_lengths()));
+  }
   if (block.has_fenchel_nielsen()) {
     text += line("pants", "lengths " + spectrumText(block.fenchel_nielsen().lengths()));
     text += line("", "twists " + spectrumText(block.fenchel_nielsen().twists()));
@@ -203,10 +206,32 @@ std::string metricLine(const v1::ParameterizationCertificate& certificate) {
   if (certificate.has_convergence_rate()) {
     parts.push_back("each shrinks the error by " + brief(certificate.convergence_rate()));
   }
+  if (certificate.has_cycle_residual()) {
+    parts.push_back("turns around vertices to " + brief(certificate.cycle_residual()));
+  }
+  if (certificate.has_relation_residual()) {
+    parts.push_back("relation of the generators to " + brief(certificate.relation_residual()));
+  }
+  if (certificate.has_spectrum_complete_to()) {
+    parts.push_back("geodesics complete up to " + brief(certificate.spectrum_complete_to()));
+  }
   if (certificate.has_boundary_deviation()) {
     parts.push_back("boundary in place up to " + brief(certificate.boundary_deviation()));
   }
   return joinedLine("metric", parts);
+}
+
+std::string hyperbolicLines(const v1::HyperbolicDomain& domain) {
+  google::protobuf::RepeatedField<double> lengths;
+  for (const v1::ClosedGeodesic& geodesic : domain.geodesics()) lengths.Add(geodesic.length());
+  std::string text =
+      line("domain", "reaches " + brief(domain.radius()) + " from its centre, " +
+                         counted(domain.neighbours_size(), "neighbour", "neighbours"));
+  if (!lengths.empty()) text += line("geodesics", spectrumText(lengths));
+  if (domain.boundary_lengths_size() > 0) {
+    text += line("boundary", "geodesics of length " + spectrumText(domain.boundary_lengths()));
+  }
+  return text;
 }
 
 std::string domainLines(const v1::Parameterization& result) {
@@ -216,6 +241,7 @@ std::string domainLines(const v1::Parameterization& result) {
   }
   if (result.has_modulus()) text += line("modulus", brief(result.modulus()));
   text += circleLines(result.circles());
+  if (result.has_hyperbolic()) text += hyperbolicLines(result.hyperbolic());
   if (result.refined()) {
     text += line("refined", counted(result.added_vertices(), "vertex", "vertices") + " and " +
                                 counted(result.added_faces(), "face", "faces") + " added");

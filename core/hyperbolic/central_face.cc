@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -38,12 +40,16 @@ bool sameIsometry(const Su11& g, const Su11& h) {
 
 class Gathering {
  public:
-  Gathering(const Connectivity& surface, const std::vector<Su11>& crossing,
+  Gathering(const HyperbolicTriangles& triangles, const std::vector<Su11>& crossing,
             const std::vector<Su11>& centre)
-      : surface_(surface), member_(surface.faceCount()), step_(surface.halfedgeCount()) {
-    for (Index e = 0; e < surface.edgeCount(); ++e) {
-      const Index h = surface.halfedge(e);
-      const Index twin = surface.twin(h);
+      : surface_(triangles.surface),
+        largest_(patchSize(triangles)),
+        member_(surface_.faceCount()),
+        step_(surface_.halfedgeCount()) {
+    for (Index e = 0; e < surface_.edgeCount(); ++e) {
+      const Index h = surface_.halfedge(e);
+      const Index twin = surface_.twin(h);
+      if (twin == kNone) continue;
       step_[h] = inverse(centre[Connectivity::faceOf(h)]) *
                  (crossing[h] * centre[Connectivity::faceOf(twin)]);
       step_[twin] = inverse(step_[h]);
@@ -65,25 +71,25 @@ class Gathering {
  private:
   /// The faces around `seed` that are nearer than the radius of a patch and not taken.
   void gather(Index seed, Index patch) {
-    // sinh(r / 2)^2 of the disk with 1 / kPatches of the area.
-    const double largest = -surface_.eulerCharacteristic() / (2 * kPatches);
     member_[seed] = {patch, {}};
     pending_ = {seed};
     while (!pending_.empty()) {
       const Index f = pending_.back();
       pending_.pop_back();
       for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-        Membership& beyond = member_[Connectivity::faceOf(surface_.twin(h))];
-        if (beyond.patch != kNone) continue;
+        if (surface_.twin(h) == kNone) continue;
+        const Index g = Connectivity::faceOf(surface_.twin(h));
+        if (member_[g].patch != kNone) continue;
         const Su11 place = member_[f].place * step_[h];
-        if (std::norm(place.b) > largest) continue;
-        beyond = {patch, place};
-        pending_.push_back(Connectivity::faceOf(surface_.twin(h)));
+        if (std::norm(place.b) > largest_) continue;
+        member_[g] = {patch, place};
+        pending_.push_back(g);
       }
     }
   }
 
   void addArc(Patches& result, Index h) const {
+    if (surface_.twin(h) == kNone) return;
     const Membership& here = member_[Connectivity::faceOf(h)];
     const Membership& beyond = member_[Connectivity::faceOf(surface_.twin(h))];
     if (here.patch == beyond.patch) return;
@@ -95,7 +101,15 @@ class Gathering {
     if (!known) arcs.push_back({beyond.patch, step});
   }
 
+  /// sinh(r / 2)^2 of the radius r of a disk with its part of the area.
+  static double patchSize(const HyperbolicTriangles& triangles) {
+    const double angles = std::accumulate(triangles.angles.begin(), triangles.angles.end(), 0.0);
+    const double area = std::numbers::pi * triangles.surface.faceCount() - angles;
+    return area / (4 * std::numbers::pi * kPatches);
+  }
+
   const Connectivity& surface_;
+  double largest_;
   std::vector<Membership> member_;
   std::vector<Su11> step_;  ///< Per halfedge, from centre to centre.
   std::vector<Index> pending_;
@@ -161,10 +175,10 @@ Result<Index> findCentralPatch(Context& context, const Patches& patches, int can
 
 }  // namespace
 
-Result<Index> findCentralFace(Context& context, const Connectivity& surface,
+Result<Index> findCentralFace(Context& context, const HyperbolicTriangles& triangles,
                               const std::vector<Su11>& crossing, const std::vector<Su11>& centre,
                               int candidates) {
-  const Patches patches = Gathering(surface, crossing, centre).patches();
+  const Patches patches = Gathering(triangles, crossing, centre).patches();
   ASSIGN_OR_RETURN(const Index patch, findCentralPatch(context, patches, candidates));
   return patches.seed[patch];
 }

@@ -54,6 +54,7 @@ std::vector<Su11> crossings(const HyperbolicTriangles& triangles) {
   for (Index e = 0; e < surface.edgeCount(); ++e) {
     const Index h = surface.halfedge(e);
     const Index twin = surface.twin(h);
+    if (twin == kNone) continue;
     crossing[h] = renormalized(cornerFrame(triangles, h) * edgeHalfTurn(triangles.lengths[h]) *
                                inverse(cornerFrame(triangles, twin)));
     crossing[twin] = inverse(crossing[h]);
@@ -123,6 +124,7 @@ class Layout {
     distance_[f] = distanceOf(placed_[f], f);
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       const Index entry = surface_.twin(h);
+      if (entry == kNone) continue;
       const Index g = Connectivity::faceOf(entry);
       if (distance_[g] < 0) queue_.push({distanceOf(placed_[f] * crossing_[h], g), entry});
     }
@@ -144,6 +146,7 @@ class Layout {
 double vertexResidual(const Connectivity& surface, const std::vector<Su11>& crossing) {
   double worst = 0;
   for (Index v = 0; v < surface.vertexCount(); ++v) {
+    if (surface.isBoundaryVertex(v)) continue;
     Su11 product;
     const Index first = surface.outgoing(v);
     Index h = first;
@@ -218,9 +221,8 @@ Result<Development> develop(Context& context, const HyperbolicTriangles& triangl
   for (Index f = 0; f < triangles.surface.faceCount(); ++f) centres.push_back(centre(triangles, f));
   development.root = options.root;
   if (options.root == kNone) {
-    ASSIGN_OR_RETURN(development.root,
-                     findCentralFace(context, triangles.surface, development.crossing, centres,
-                                     options.candidates));
+    ASSIGN_OR_RETURN(development.root, findCentralFace(context, triangles, development.crossing,
+                                                       centres, options.candidates));
   }
   Layout layout(triangles.surface, development.crossing, centres);
   layout.from(development.root);

@@ -148,7 +148,8 @@ class LengthFromPoint {
 
 /// Conjugates so that 0 comes to where the total length is smallest, which is a convex function of
 /// the point: steps in four directions, halved where none helps. Whether that gained anything.
-bool moveBasePoint(Handles& handles, double corner_weight) {
+bool moveBasePoint(ShortHandles& moved_handles, double corner_weight) {
+  Handles& handles = moved_handles.handles;
   LengthFromPoint length(handles, corner_weight);
   double total = length({});
   const double start = total;
@@ -161,6 +162,7 @@ bool moveBasePoint(Handles& handles, double corner_weight) {
       if (!(length(to) < total - kLeastGain)) continue;
       const WideSu11 wide = widened(to);
       for (GroupHandle& h : handles) h = conjugate(wide, h);
+      moved_handles.base = moved_handles.base * inverse(wide);
       length = LengthFromPoint(handles, corner_weight);
       total = length({});
       moved = true;
@@ -226,38 +228,38 @@ Result<std::vector<GroupHandle>> splitIntoHandles(const std::vector<WideSu11>& l
   return handles;
 }
 
-Result<std::vector<GroupHandle>> shortenHandles(Context& context, std::vector<GroupHandle> handles,
-                                                double corner_weight) {
+Result<ShortHandles> shortenHandles(Context& context, std::vector<GroupHandle> handles,
+                                    double corner_weight) {
   std::size_t moves = kMovesPerHandle * handles.size();
+  ShortHandles result{std::move(handles), {}};
   do {
     for (; moves > 0; --moves) {
       RETURN_IF_ERROR(context.check());
-      std::optional<HandleReplacement> best = bestMove(handles, corner_weight);
+      std::optional<HandleReplacement> best = bestMove(result.handles, corner_weight);
       if (!best) break;
       std::move(best->handles.begin(), best->handles.end(),
-                handles.begin() + static_cast<std::ptrdiff_t>(best->first));
+                result.handles.begin() + static_cast<std::ptrdiff_t>(best->first));
     }
-  } while (moveBasePoint(handles, corner_weight) && moves > 0);
-  return handles;
+  } while (moveBasePoint(result, corner_weight) && moves > 0);
+  return result;
 }
 
-Result<std::vector<GroupHandle>> findShortHandles(Context& context,
-                                                  const std::vector<WideSu11>& letters,
-                                                  const Word& relation) {
-  Handles best;
+Result<ShortHandles> findShortHandles(Context& context, const std::vector<WideSu11>& letters,
+                                      const Word& relation) {
+  ShortHandles best;
   double smallest = std::numeric_limits<double>::infinity();
   for (const Word& word : startingWords(relation)) {
     ASSIGN_OR_RETURN(const Handles start, splitIntoHandles(letters, word));
     if (!(totalLength(start, 0) < kLongest * static_cast<double>(start.size()))) continue;
     for (const double corner_weight : {0.5, 2.0}) {
-      ASSIGN_OR_RETURN(Handles handles, shortenHandles(context, start, corner_weight));
-      const double growth = roundingGrowth(handles);
+      ASSIGN_OR_RETURN(ShortHandles found, shortenHandles(context, start, corner_weight));
+      const double growth = roundingGrowth(found.handles);
       if (!(growth < smallest)) continue;
       smallest = growth;
-      best = std::move(handles);
+      best = std::move(found);
     }
   }
-  if (best.empty()) {
+  if (best.handles.empty()) {
     return Status(Reason::kNoConvergence,
                   "no generators of the group are short enough to be found");
   }

@@ -17,6 +17,12 @@ namespace moduli {
 Result<std::vector<GroupHandle>> splitIntoHandles(const std::vector<WideSu11>& letters,
                                                   const Word& relation);
 
+/// Handles in coordinates of their own: those of an element X are base^-1 X base.
+struct ShortHandles {
+  std::vector<GroupHandle> handles;
+  WideSu11 base;
+};
+
 /// How much roundings of the generators' entries grow in prod [a_k, b_k]: the root of the sum of
 /// (|P| |X| |P X|)^2 over its letters X and the products P of those before, where |g| = cosh(d(0, g
 /// 0) / 2).
@@ -28,16 +34,15 @@ double roundingGrowth(const std::vector<GroupHandle>& handles);
 /// loops that link neighbouring handles (these generate the mapping class group: Lickorish 1964),
 /// along the loops around one or several handles, and exchanges of neighbours; the best one each
 /// time, until none helps. Between them all is conjugated so that 0 comes to where the sum is
-/// smallest. O(g^2) a move, at most some hundred a handle; a local minimum. Fails as
-/// the context does.
-Result<std::vector<GroupHandle>> shortenHandles(Context& context, std::vector<GroupHandle> handles,
-                                                double corner_weight);
+/// smallest. O(g^2) a move, at most some hundred a handle; a local minimum. Fails as the context
+/// does.
+Result<ShortHandles> shortenHandles(Context& context, std::vector<GroupHandle> handles,
+                                    double corner_weight);
 
 /// Both, from several rotations of the relation and with several weights: of the handles found
 /// those of the smallest roundingGrowth. Fails with kNoConvergence where all starts are too long
 /// for 113 bits.
-Result<std::vector<GroupHandle>> findShortHandles(Context& context,
-                                                  const std::vector<WideSu11>& letters,
-                                                  const Word& relation);
+Result<ShortHandles> findShortHandles(Context& context, const std::vector<WideSu11>& letters,
+                                      const Word& relation);
 
 }  // namespace moduli

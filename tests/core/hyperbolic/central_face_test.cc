@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/hyperbolic/developing.h"
+#include "core/intrinsic/intrinsic_samples.h"
 #include "core/intrinsic/mollify.h"
 #include "core/mesh/prepare.h"
 #include "core/mesh/read.h"
@@ -87,9 +88,8 @@ TEST(CentralFace, IsNotLookedForWhenCancelled) {
   token.cancel();
   Context context;
   context.setCancelToken(token);
-  const auto surface = Connectivity::fromFaces(4, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
-  ASSERT_OK(surface);
-  EXPECT_THAT(findCentralFace(context, *surface, std::vector<Su11>(12), std::vector<Su11>(4), 3),
+  const HyperbolicTriangles triangles = *hyperbolicTriangles(*makeIntrinsicSample("bolza"));
+  EXPECT_THAT(findCentralFace(context, triangles, std::vector<Su11>(48), std::vector<Su11>(16), 3),
               FailsWith(Reason::kCancelled));
 }
 
