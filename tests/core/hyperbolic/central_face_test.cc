@@ -1,7 +1,9 @@
 #include "core/hyperbolic/central_face.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -73,6 +75,23 @@ TEST_P(RealMesh, HasACentralFaceThatSeesNotMuchFurtherThanTheBestOfMany) {
   const HyperbolicTriangles triangles = uniformized(*soup);
   // Of twenty all over the numbers.
   expectCentral(triangles, triangles.surface.faceCount() / 20);
+}
+
+TEST(CentralFace, OfADiskIsInItsMiddle) {
+  // A strip of equilateral triangles with angles pi / 4.
+  std::vector<Triangle> faces;
+  for (Index k = 0; k < 7; ++k) {
+    faces.push_back(k % 2 == 0 ? Triangle{k, k + 1, k + 2} : Triangle{k + 1, k, k + 2});
+  }
+  const auto strip = Connectivity::fromFaces(9, faces);
+  ASSERT_OK(strip);
+  const double side = 2 * std::acosh(0.5 / std::sin(std::numbers::pi / 8));
+  const HyperbolicTriangles triangles{*strip, std::vector<double>(21, side),
+                                      std::vector<double>(21, std::numbers::pi / 4)};
+  Context context;
+  const auto development = develop(context, triangles);
+  ASSERT_OK(development);
+  EXPECT_EQ(development->root, 3);
 }
 
 TEST(CentralFace, IsFoundAgainWhenAskedAgain) {
