@@ -103,7 +103,7 @@ Result<v1::Evaluation> evaluateCollection(Context& context, const Backend& backe
   if (queries.empty()) {
     return Status(Reason::kInvalidOption,
                   "no two of " + std::to_string(shapes.size()) + " shapes share a label",
-                  "label shapes when they are added (add --label-from dir), or with relabel");
+                  "label shapes when they are added (add --label-from dir), or with moduli edit");
   }
   std::vector<QueryEvaluation> judged(queries.size());
   std::vector<Status> outcomes(queries.size());
