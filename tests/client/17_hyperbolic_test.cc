@@ -161,6 +161,13 @@ TEST_F(Hyperbolic, OtherSurfacesAreToldWhatTheyAre) {
   sample("a.obj", {"annulus", "resolution=3"});
   expectRefusal({"parameterize", "a.obj", "--to", "hyperbolic"}, "--to circle-domain maps it");
   sample("g.obj", {"genus", "genus=2", "resolution=2"});
+  write("cones.txt", "1 0.5\n");
+  expectRefusal({"parameterize", "g.obj", "--to", "hyperbolic", "--cones", "cones.txt"},
+                "cones are of FLAT maps, and the target is HYPERBOLIC");
+  expectRefusal({"parameterize", "g.obj", "--to", "hyperbolic", "--scheme", "thurston"}, "scheme");
+  EXPECT_THAT(run({"parameterize", "g.obj", "--to", "hyperbolic", "--scheme", "vertex-scaling",
+                   "--solver", "newton", "--method", "auto"}),
+              Succeeds());
   expectRefusal({"parameterize", "g.obj", "--to", "sphere"}, "--to hyperbolic maps it");
 }
 
