@@ -103,7 +103,7 @@ TEST(SplitStraight, PutsVerticesEvenlyOnStraightEdges) {
   const StraightSurface whole = straighten(given.surface, uniformized(given));
   std::vector<int> counts(given.surface.edgeCount(), 0);
   for (std::size_t e = 0; e < counts.size(); e += 3) counts[e] = static_cast<int>(e % 4);
-  const auto split = splitStraight(whole.triangles, counts);
+  const auto split = splitStraight(whole, counts);
   ASSERT_OK(split);
   expectWhole(*split);
   ASSERT_TRUE(split->subdivision);
@@ -130,35 +130,79 @@ TEST(SplitStraight, RefusesFacesWithAVertexTwice) {
   const auto triangles = hyperbolicTriangles(polygonSurface(2));
   ASSERT_OK(triangles);
   const std::vector<int> counts(triangles->surface.edgeCount(), 1);
-  const auto split = splitStraight(*triangles, counts);
+  const auto split = splitStraight({*triangles}, counts);
   EXPECT_THAT(split, FailsWith(Reason::kFoldedMap));
   EXPECT_THAT(split.status().message(), testing::HasSubstr("face 0 has a vertex twice"));
 }
 
-/// A plate one of whose sides bears vertices so close behind a diagonal that...
-TEST(HyperbolicMap, CutsNeedlesThatOnlyTheirImagesTurnOver) {
-  // A vertex just off an edge: its three geodesic triangles are sound, but the disk's chords pass
-  // on its other side.
-  int found = 0;
-  for (const double height : {0.02, 0.01, 0.005}) {
-    const MetricSurface given =
-        insertNearEdges(metricOfSample("genus", {{"genus", 3}, {"resolution", 1}}), height, 1);
-    HyperbolicOptions options;
-    const StraightSurface straight = straighten(given.surface, uniformized(given));
-    options.refine = false;
-    const auto refused = mapped(given, options);
-    const auto map = mapped(given);
-    std::cout << "height " << height << ": " << straight.folded << " folds, "
-              << refused.status().message() << ", " << map.status().toString() << "\n";
-    if (straight.folded != 0 || refused.ok()) continue;
-    ++found;
-    EXPECT_THAT(refused, FailsWith(Reason::kFoldedMap));
-    ASSERT_OK(map);
-    ASSERT_TRUE(map->subdivision);
-    expectClosedDomain(given, *map);
-    expectCutFaces(given, *map->subdivision);
+TEST(SplitStraight, CutsPartsOfBentEdges) {
+  const MetricSurface given = plateWithEars(7, 5, {{1, 1}, {2, 1}, {4, 3}});
+  Context context;
+  const auto refined = straightenRefined(context, given.surface, uniformized(given));
+  ASSERT_OK(refined);
+  const std::size_t before = refined->subdivision->vertices.size();
+  ASSERT_GT(before, 0U);
+  const std::vector<double> longest = longestParts(*refined);
+  std::vector<int> counts(given.surface.edgeCount(), 0);
+  for (std::size_t e = 0; e < counts.size(); e += 2) counts[e] = 2;
+  // Nothing more, or thirds of all parts: the same surface, whose old vertices are kept.
+  for (const std::vector<int>& more : {std::vector<int>(counts.size(), 0), counts}) {
+    const auto split = splitStraight(*refined, more);
+    ASSERT_OK(split);
+    expectWhole(*split);
+    expectCutFaces(given, *split->subdivision);
+    const std::vector<double> parts = longestParts(*split);
+    std::size_t kept = 0;
+    for (const Subdivision::Vertex& old : refined->subdivision->vertices) {
+      for (const Subdivision::Vertex& vertex : split->subdivision->vertices) {
+        kept += vertex.halfedge == old.halfedge && vertex.fraction == old.fraction ? 1 : 0;
+      }
+    }
+    EXPECT_EQ(kept, before);
+    for (std::size_t e = 0; e < parts.size(); ++e) {
+      EXPECT_NEAR(parts[e], longest[e] / (more[e] + 1), 1e-12);
+    }
   }
-  EXPECT_GT(found, 0);
+}
+
+TEST(SplitStraight, OfStraightEdgesHasTheirLengthsAsParts) {
+  const MetricSurface given = metricOfSample("genus", {{"genus", 2}, {"resolution", 4}});
+  const StraightSurface straight = straighten(given.surface, uniformized(given));
+  const std::vector<double> longest = longestParts(straight);
+  for (Index e = 0; e < given.surface.edgeCount(); ++e) {
+    EXPECT_NEAR(longest[e], straight.triangles.lengths[given.surface.halfedge(e)], 1e-14);
+  }
+}
+
+/// Caps in every face: a vertex near a side.
+MetricSurface withCaps(double height) {
+  return insertNearEdges(metricOfSample("genus", {{"genus", 2}, {"resolution", 2}}), height, 1);
+}
+
+void expectCutAsFarAsNeeded(const MetricSurface& given) {
+  HyperbolicOptions options;
+  options.refine = false;
+  EXPECT_THAT(mapped(given, options), FailsWith(Reason::kFoldedMap));
+  const auto map = mapped(given);
+  ASSERT_OK(map);
+  ASSERT_TRUE(map->subdivision);
+  expectClosedDomain(given, *map);
+  expectCutFaces(given, *map->subdivision);
+}
+
+TEST(CutFaces, AreNeedlesThatOnlyTheirImagesTurnOver) {
+  // Geodesic triangles that are sound, whose corners' chords in the disk pass each other.
+  const MetricSurface given = withCaps(0.2);
+  EXPECT_EQ(straighten(given.surface, uniformized(given)).folded, 0);
+  expectCutAsFarAsNeeded(given);
+}
+
+TEST(CutFaces, MayHaveNeedlesAmongTheirPieces) {
+  for (const double height : {0.1, 0.05}) {
+    const MetricSurface given = withCaps(height);
+    EXPECT_GT(straighten(given.surface, uniformized(given, false)).folded, 0);
+    expectCutAsFarAsNeeded(given);
+  }
 }
 
 }  // namespace
