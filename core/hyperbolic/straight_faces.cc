@@ -10,17 +10,14 @@
 namespace moduli {
 namespace {
 
-Complex polar(double length, double angle) {
-  return std::polar(std::tanh(length / 2), angle);
-}
-
 double wrapped(double angle) {
   return std::remainder(angle, 2 * std::numbers::pi);
 }
 
-/// The direction from one point to another, in coordinates where the first is at 0.
+/// The direction from one point to another, in coordinates where the first is at 0. Points that are
+/// but rounding apart are subtracted first: there and back it is then one direction.
 Complex direction(Complex from, Complex to) {
-  return imageOf(inverse(translationTo(from)), to);
+  return (to - from) / (1.0 - std::conj(from) * to);
 }
 
 /// From the direction p to q, counter-clockwise.
@@ -55,9 +52,10 @@ class Undoing {
     // in both of their faces, which only angles know. So all is told from the three sides at l, and
     // angles at the others are those before, cut in two.
     const double at_i = angles_[h2], at_j = angles_[t2];
-    const Complex i = polar(il, angles_[h]), j = polar(lj, -angles_[t1]);
-    const double from_l = turn(-i, i == j ? 1 : direction(i, j));
-    const double to_l = turn(i == j ? -1 : direction(j, i), -j);
+    const Complex to_i = std::polar(1.0, angles_[h]), to_j = std::polar(1.0, -angles_[t1]);
+    const Complex i = std::tanh(il / 2) * to_i, j = std::tanh(lj / 2) * to_j;
+    const double from_l = turn(-to_i, i == j ? 1 : direction(i, j));
+    const double to_l = turn(i == j ? -1 : direction(j, i), -to_j);
     const double at_k = wrapped(angles_[h1] + angles_[t]);
     const double at_l = wrapped(angles_[h] + angles_[t1]);
     triangulation_.undoTo(triangulation_.history().size() - 1);

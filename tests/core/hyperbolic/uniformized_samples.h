@@ -40,13 +40,15 @@ inline MetricSurface metricOfSample(const std::string& kind,
 }
 
 /// nx x ny unit cells without `holes` (by column and row), each cut along one diagonal, so that
-/// two corners of the plate are ears: faces with two boundary edges.
-inline MetricSurface plateWithEars(int nx, int ny, const std::set<std::pair<int, int>>& holes) {
+/// two corners of the plate are ears: faces with two boundary edges. Cells may be sheared and have
+/// another width.
+inline MetricSurface plateWithEars(int nx, int ny, const std::set<std::pair<int, int>>& holes,
+                                   double shear = 0, double width = 1) {
   std::vector<Eigen::Vector3d> positions;
   std::map<std::pair<int, int>, Index> number;
   const auto at = [&](int x, int y) {
     const auto [place, fresh] = number.try_emplace({x, y}, static_cast<Index>(positions.size()));
-    if (fresh) positions.emplace_back(x, y, 0);
+    if (fresh) positions.emplace_back(width * x + shear * y, y, 0);
     return place->second;
   };
   std::vector<Triangle> faces;

@@ -77,6 +77,19 @@ TEST(CutFaces, AreThoseOfAPlateWithEars) {
   expectBorderedImage(given, *map);
 }
 
+TEST(CutFaces, AreThoseOfShearedPlatesWithEars) {
+  for (const double shear : {-1.0, 1.0}) {
+    for (const double width : {1.0, 3.0}) {
+      SCOPED_TRACE(testing::Message() << "shear " << shear << ", width " << width);
+      const MetricSurface given = plateWithEars(5, 3, {{1, 1}, {3, 1}}, shear, width);
+      const auto map = mapped(given);
+      ASSERT_OK(map);
+      EXPECT_TRUE(map->subdivision);
+      expectBorderedImage(given, *map);
+    }
+  }
+}
+
 TEST(CutFaces, DoNotChangeLengthsFromWhereTheyAreNumbered) {
   const MetricSurface given = plateWithEars(6, 4, {{1, 1}, {3, 2}});
   const auto first = mapped(given), second = mapped(renumber(given, 3));

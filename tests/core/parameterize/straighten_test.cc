@@ -64,7 +64,8 @@ TEST(StraightenRefined, CutsFoldedFacesAndFillsTheSurface) {
   Context context;
   for (const MetricSurface& given :
        {plateWithEars(5, 3, {{1, 1}, {3, 1}}), plateWithEars(7, 5, {{1, 1}, {2, 1}, {4, 3}}),
-        subdivide(plateWithEars(5, 3, {{1, 1}, {3, 1}}), 2)}) {
+        subdivide(plateWithEars(5, 3, {{1, 1}, {3, 1}}), 2),
+        plateWithEars(5, 3, {{1, 1}, {3, 1}}, -1), plateWithEars(5, 3, {{1, 1}, {3, 1}}, 1, 3)}) {
     for (const bool initial_delaunay : {true, false}) {
       const Uniformization found = uniformized(given, initial_delaunay);
       ASSERT_GT(straighten(given.surface, found).folded, 0);
