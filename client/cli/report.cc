@@ -301,6 +301,9 @@ std::string signatureReport(const std::string& title, const v1::Signature& signa
   std::string text = title.empty() ? "" : safe(title) + "\n";
   text += topologyLines(signature.topology());
   if (signature.has_conformal()) text += conformalLines(signature.conformal());
+  if (signature.metric().laplace_spectrum_size() > 0) {
+    text += line("modes", spectrumText(signature.metric().laplace_spectrum()));
+  }
   if (signature.metric().conformal_factor_spectrum_size() > 0) {
     text += line("factor", spectrumText(signature.metric().conformal_factor_spectrum()));
   }

@@ -155,6 +155,7 @@ Status checkSignature(const v1::Signature& message) {
   }
   const v1::SearchVectors& vectors = message.vectors();
   if (!sound(message.metric().conformal_factor_spectrum()) ||
+      !sound(message.metric().laplace_spectrum()) ||
       !sound(message.shape().mean_curvature_spectrum()) ||
       !sound(message.shape().cross_spectrum()) || !sound(vectors.conformal()) ||
       !sound(vectors.metric()) || !sound(vectors.shape())) {
@@ -190,6 +191,7 @@ v1::SignatureCertificate toProto(const SignatureCertificate& certificate) {
   if (certificate.spectrum_complete_to) {
     message.set_spectrum_complete_to(*certificate.spectrum_complete_to);
   }
+  if (certificate.mode_residual) message.set_mode_residual(*certificate.mode_residual);
   if (certificate.layout_closure) message.set_layout_closure(*certificate.layout_closure);
   if (certificate.flipped_faces) message.set_flipped_faces(*certificate.flipped_faces);
   if (certificate.max_dilatation) message.set_max_dilatation(*certificate.max_dilatation);
@@ -222,6 +224,7 @@ SignatureCertificate fromProto(const v1::SignatureCertificate& message) {
   if (message.has_spectrum_complete_to()) {
     certificate.spectrum_complete_to = message.spectrum_complete_to();
   }
+  if (message.has_mode_residual()) certificate.mode_residual = message.mode_residual();
   if (message.has_layout_closure()) certificate.layout_closure = message.layout_closure();
   if (message.has_flipped_faces()) certificate.flipped_faces = message.flipped_faces();
   if (message.has_max_dilatation()) certificate.max_dilatation = message.max_dilatation();
@@ -368,8 +371,11 @@ v1::Signature toProto(const Signature& signature) {
   if (signature.metric) {
     append(signature.metric->conformal_factor_spectrum,
            *message.mutable_metric()->mutable_conformal_factor_spectrum());
+    append(signature.metric->laplace_spectrum,
+           *message.mutable_metric()->mutable_laplace_spectrum());
   }
   if (signature.shape) {
+    message.mutable_shape();
     append(signature.shape->mean_curvature_spectrum,
            *message.mutable_shape()->mutable_mean_curvature_spectrum());
     append(signature.shape->cross_spectrum, *message.mutable_shape()->mutable_cross_spectrum());
@@ -389,8 +395,11 @@ Result<Signature> fromProto(const v1::Signature& message) {
   signature.topology = fromProto(message.topology());
   if (message.has_conformal()) signature.conformal = fromProto(message.conformal());
   if (message.has_metric()) {
-    const auto& spectrum = message.metric().conformal_factor_spectrum();
-    signature.metric.emplace().conformal_factor_spectrum.assign(spectrum.begin(), spectrum.end());
+    const v1::MetricBlock& from = message.metric();
+    MetricBlock& block = signature.metric.emplace();
+    block.conformal_factor_spectrum.assign(from.conformal_factor_spectrum().begin(),
+                                           from.conformal_factor_spectrum().end());
+    block.laplace_spectrum.assign(from.laplace_spectrum().begin(), from.laplace_spectrum().end());
   }
   if (message.has_shape()) {
     const v1::ShapeBlock& from = message.shape();
