@@ -1,11 +1,8 @@
-#include <cmath>
-
 #include "client/cli/command.h"
 #include "client/cli/mesh_argument.h"
 #include "client/cli/prepare_arguments.h"
 #include "client/cli/report.h"
 #include "client/cli/session.h"
-#include "core/base/text.h"
 
 /// inspect, signature, distance: computing on meshes without storing anything.
 namespace moduli::cli {
@@ -42,8 +39,8 @@ Status runSignature(Session& session, const Arguments& arguments) {
   if (arguments.has("initial-delaunay")) {
     request.set_initial_delaunay(arguments.text("initial-delaunay") == "on");
   }
-  if (const auto length = parseDouble(arguments.text("spectrum-length"))) {
-    request.set_spectrum_length(*length);
+  if (arguments.has("spectrum-length")) {
+    request.set_spectrum_length(arguments.number("spectrum-length", 0));
   }
   const Result<v1::Signature> result = client->computeSignature(request);
   if (!result.ok()) return session.explain(mesh.name(), result.status());
@@ -98,14 +95,6 @@ std::vector<OptionSpec> signatureOptions() {
   return options;
 }
 
-std::optional<std::string> checkSignature(const Arguments& arguments) {
-  if (!arguments.has("spectrum-length")) return std::nullopt;
-  const auto length = parseDouble(arguments.text("spectrum-length"));
-  if (length && std::isfinite(*length) && *length > 0) return std::nullopt;
-  return "--spectrum-length takes a positive number such as 4, not '" +
-         arguments.text("spectrum-length") + "'";
-}
-
 std::vector<OptionSpec> distanceOptions() {
   std::vector<OptionSpec> options = prepareOptions();
   options.push_back(formatOption());
@@ -142,7 +131,6 @@ std::vector<CommandSpec> computeCommands() {
                   "refused unless --component says which one is meant.",
        .arguments = {{.name = "MESH", .help = kMeshHelp}},
        .options = signatureOptions(),
-       .check = checkSignature,
        .run = runSignature,
        .examples =
            "moduli signature kitten.off\nmoduli signature --json --space conformal pretzel.off\n"

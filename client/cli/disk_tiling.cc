@@ -23,14 +23,26 @@ constexpr Color kAxisColor = {90, 98, 112};
 constexpr double kMargin = 0.97;
 /// Copies farther from the middle are no pixel wide.
 constexpr double kFarthest = 7;
-constexpr std::size_t kMostTiles = 4000;
+constexpr std::size_t kMostTiles = 1000;
+constexpr int kMostNeighbours = 300;
 /// Outlines of copies are drawn to this, in pixels.
 constexpr double kFinest = 0.35;
 /// What a cut's two images differ by under its deck transformation, in the disk's coordinates.
 constexpr double kSamePoint = 1e-6;
 
-Su11 isometry(const v1::DiskIsometry& message) {
-  return {{message.a().re(), message.a().im()}, {message.b().re(), message.b().im()}};
+/// What a server says, less what is no translation of the disk.
+std::vector<Su11> isometries(const google::protobuf::RepeatedPtrField<v1::DiskIsometry>& messages) {
+  constexpr double kLargest = 1e6;
+  std::vector<Su11> result;
+  for (int n = 0; n < std::min(kMostNeighbours, messages.size()); ++n) {
+    const Su11 g{{messages[n].a().re(), messages[n].a().im()},
+                 {messages[n].b().re(), messages[n].b().im()}};
+    const double size = std::abs(g.a);
+    const bool sound = size < kLargest && std::abs(determinantDrift(g)) < 1e-6 * size * size &&
+                       translationLength(g) > 0;
+    if (sound) result.push_back(renormalized(g));
+  }
+  return result;
 }
 
 /// Hue in turns, saturation and lightness in [0, 1].
@@ -148,8 +160,8 @@ double sizeOf(const Outline& outline) {
 DiskTiling::DiskTiling(const MapDrawing& drawing, const ParameterizedMesh& map)
     : drawing_(drawing) {
   const v1::HyperbolicDomain& domain = map.result.hyperbolic();
-  for (const v1::DiskIsometry& g : domain.neighbours()) neighbours_.push_back(isometry(g));
-  for (const v1::DiskIsometry& g : domain.generators()) generators_.push_back(isometry(g));
+  neighbours_ = isometries(domain.neighbours());
+  generators_ = isometries(domain.generators());
   findSides();
   matchSides();
   findTiles();

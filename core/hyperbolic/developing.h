@@ -61,15 +61,14 @@ struct Development {
 };
 
 struct DevelopOptions {
-  Index root = kNone;  ///< kNone: a face from which the others are not far, of `candidates`.
-  int candidates = 24;
+  Index root = kNone;   ///< kNone: a face from which the others are not far.
+  int candidates = 24;  ///< That are tried then.
 };
 
 /// Lays out the surface from the root in the order of the distances of the faces' centres in the
 /// disk: nearly the Dirichlet domain of the root, so that nothing is put further away than it must
-/// be. Candidates for the root: face 0, then each the farthest from those before, and at last the
-/// middles of what the best of them sees. Fails with kResidualTooLarge where a residual is 1e-6
-/// or more, and as the context does. O(candidates F log F).
+/// be. The root is that of findCentralFace. Fails with kResidualTooLarge where a residual is 1e-6
+/// or more, and as the context does. O(F log F).
 Result<Development> develop(Context& context, const HyperbolicTriangles& triangles,
                             const DevelopOptions& options = {});
 

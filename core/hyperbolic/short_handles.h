@@ -3,15 +3,11 @@
 #include <vector>
 
 #include "core/base/context.h"
+#include "core/hyperbolic/handle_moves.h"
 #include "core/hyperbolic/wide_su11.h"
 
 /// Canonical generators of a surface's group that move a point as little as can be found.
 namespace moduli {
-
-/// Two elements whose commutators multiply to 1, in order: prod [a_k, b_k] = 1.
-struct GroupHandle {
-  WideSu11 a, b;
-};
 
 /// Handles with prod [a_k, b_k] = `relation` for a surface given by letters and the boundary word
 /// of a polygon (each of 1 .. 2 g once with either sign, all corners at one point). Handles are

@@ -23,10 +23,8 @@ struct StraightFaces {
   }
 };
 
-/// Undoes the flips one after the other and carries the triangles along, whatever kind of flip was
-/// done. Where no face is folded, they triangulate the surface; around an inner vertex the angles
-/// then add up to 2 pi. metric: hyperbolic. O(F + flips). Source: MATH 7.1; the hyperbolic twin of
-/// flat_charts.h.
+/// By undoFlips, whatever kind of flip was done. Where no face is folded, they triangulate the
+/// surface; around an inner vertex the angles then add up to 2 pi. O(F + flips).
 StraightFaces straightFaces(const DiscreteMetric& metric);
 
 /// Per boundary loop of a surface, in the order of computeTopology. lengths: per halfedge of it, or

@@ -11,15 +11,12 @@
 #include "core/hyperbolic/fuchsian_group.h"
 #include "core/hyperbolic/length_spectrum.h"
 #include "core/mesh/double_cover.h"
+#include "core/signature/hyperbolic_invariants.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli {
 namespace {
 
-/// Some 0.2 s.
-constexpr std::size_t kElements = 40'000;
-/// In lengths of the shortest geodesic.
-constexpr double kReach = 1.5;
 /// Of geodesics that are not the shortest.
 constexpr std::size_t kMostGeodesics = 12;
 /// Of edges, from their ends.
@@ -85,16 +82,6 @@ class Paths {
   const HyperbolicTriangles& part_;
   const Development& development_;
 };
-
-/// Those up to kReach of the shortest, or these alone where the others are too many to find.
-Result<LengthSpectrum> shortGeodesics(Context& context, const OrbitPolygon& polygon) {
-  SpectrumOptions options;
-  options.most_elements = kElements;
-  ASSIGN_OR_RETURN(LengthSpectrum shortest, systoles(context, polygon, options));
-  const double reach = kReach * shortest.geodesics.front().length;
-  ASSIGN_OR_RETURN(LengthSpectrum spectrum, lengthSpectrum(context, polygon, reach, options));
-  return spectrum.complete_to < shortest.complete_to ? std::move(shortest) : std::move(spectrum);
-}
 
 }  // namespace
 

@@ -12,20 +12,8 @@
 namespace moduli {
 namespace {
 
-/// Some 0.2 s.
-constexpr std::size_t kElements = 40'000;
-
 bool stops(const Status& status) {
   return status.reason() == Reason::kCancelled || status.reason() == Reason::kDeadlineExceeded;
-}
-
-/// The shortest geodesics, and those up to kSpectrumReach of them where that is not too much.
-Result<LengthSpectrum> shortGeodesics(Context& context, const OrbitPolygon& polygon,
-                                      const SpectrumOptions& options) {
-  ASSIGN_OR_RETURN(LengthSpectrum shortest, systoles(context, polygon, options));
-  const double reach = kSpectrumReach * shortest.geodesics.front().length;
-  ASSIGN_OR_RETURN(LengthSpectrum spectrum, lengthSpectrum(context, polygon, reach, options));
-  return spectrum.complete_to < shortest.complete_to ? std::move(shortest) : std::move(spectrum);
 }
 
 /// What the polygon tells beside the generators. Pants may take too long to find, and are left out
@@ -33,15 +21,14 @@ Result<LengthSpectrum> shortGeodesics(Context& context, const OrbitPolygon& poly
 Status addGeodesics(Context& context, const FuchsianGroup& group, std::optional<double> length,
                     HyperbolicInvariants& result) {
   ASSIGN_OR_RETURN(const OrbitPolygon polygon, orbitPolygon(context, group));
-  SpectrumOptions options;
-  options.most_elements = kElements;
-  ASSIGN_OR_RETURN(const LengthSpectrum spectrum, length
-                                                      ? lengthSpectrum(context, polygon, *length)
-                                                      : shortGeodesics(context, polygon, options));
+  ASSIGN_OR_RETURN(const LengthSpectrum spectrum, length ? lengthSpectrum(context, polygon, *length)
+                                                         : shortGeodesics(context, polygon));
   for (const ClosedGeodesic& geodesic : spectrum.geodesics) {
     result.lengths.push_back(geodesic.length);
   }
   result.complete_to = spectrum.complete_to;
+  SpectrumOptions options;
+  options.most_elements = kSignatureElements;
   const Result<PantsDecomposition> pants = pantsDecomposition(context, polygon, options);
   if (stops(pants.status())) return pants.status();
   result.pants_curves = pants.status();
@@ -50,6 +37,15 @@ Status addGeodesics(Context& context, const FuchsianGroup& group, std::optional<
 }
 
 }  // namespace
+
+Result<LengthSpectrum> shortGeodesics(Context& context, const OrbitPolygon& polygon) {
+  SpectrumOptions options;
+  options.most_elements = kSignatureElements;
+  ASSIGN_OR_RETURN(LengthSpectrum shortest, systoles(context, polygon, options));
+  const double reach = kSpectrumReach * shortest.geodesics.front().length;
+  ASSIGN_OR_RETURN(LengthSpectrum spectrum, lengthSpectrum(context, polygon, reach, options));
+  return spectrum.complete_to < shortest.complete_to ? std::move(shortest) : std::move(spectrum);
+}
 
 Result<HyperbolicInvariants> hyperbolicInvariants(Context& context, const DiscreteMetric& metric,
                                                   std::optional<double> length) {

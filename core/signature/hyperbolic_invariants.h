@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "core/base/context.h"
+#include "core/hyperbolic/length_spectrum.h"
 #include "core/ricci/uniformize.h"
 #include "core/signature/signature.h"
 
@@ -32,5 +34,12 @@ std::vector<double> geodesicBoundaryLengths(const Connectivity& surface,
                                             const Uniformization& uniformization);
 
 inline constexpr double kSpectrumReach = 1.5;
+/// Elements of the group that are listed for a spectrum, at most: some 0.06 s. Real surfaces need
+/// some hundred.
+inline constexpr std::size_t kSignatureElements = 40'000;
+
+/// The spectrum of it: the shortest geodesics, and those up to kSpectrumReach of them where that is
+/// not too much. Fails as systoles does.
+Result<LengthSpectrum> shortGeodesics(Context& context, const OrbitPolygon& polygon);
 
 }  // namespace moduli
