@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "core/base/context.h"
+#include "core/base/status.h"
+#include "core/retrieval/vector_index.h"
+
+namespace moduli {
+
+struct ApproximateOptions {
+  double wanted_recall = 0.99;  ///< Of the ten nearest; in (0, 1], where 1 makes an exact index.
+};
+
+/// Share of the true ten nearest that were found, over queries that the index had not seen.
+struct MeasuredRecall {
+  double recall = 1;
+  double standard_error = 0;
+  std::size_t queries = 0;  ///< 0: the index is exact.
+  int checks = 0;           ///< Rows that a search looks at.
+};
+
+/// A vector index that may leave out neighbours, and knows how many. Those it gives have their
+/// exact distances.
+class ApproximateIndex : public VectorIndex {
+ public:
+  /// For ten neighbours and no filter; for more, a search looks at more rows in proportion.
+  virtual const MeasuredRecall& recall() const = 0;
+};
+
+/// FLANN's tree of k-means clusters over the leading principal coordinates. Every so many rows are
+/// held out while it is built, and searched for with growing numbers of checks until the recall
+/// against exact answers exceeds the wanted one by two standard errors; they are searched one by
+/// one afterwards. Fewer than 4000 rows are searched exactly. The same rows (distinct ids) give the
+/// same index in whatever order they come. Fails as makeFlannIndex, with kInvalidOption on a recall
+/// outside (0, 1], and with kCancelled / kDeadlineExceeded. Holds the rows, the leading coordinates
+/// (at most 19) and some 80 bytes a row.
+Result<std::unique_ptr<ApproximateIndex>> makeApproximateIndex(
+    Context& context, VectorSet set, const ApproximateOptions& options = {});
+
+}  // namespace moduli
