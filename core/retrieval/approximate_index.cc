@@ -10,7 +10,6 @@
 #include "core/base/parallel.h"
 #include "core/retrieval/checks.h"
 #include "core/retrieval/exact_nearest.h"
-#include "core/retrieval/flann_trees.h"
 #include "core/retrieval/lead_rows.h"
 #include "core/retrieval/lead_tiles.h"
 #include "core/retrieval/principal_axes.h"
@@ -25,8 +24,7 @@ constexpr std::size_t kSmall = 4000;  // Rows that an exact index is as fast for
 constexpr std::size_t kHeldOut = 400;
 constexpr std::size_t kNeighbors = 10;
 constexpr double kStandardErrors = 2;
-constexpr int kFewestChecks = 32;
-constexpr double kMoreChecks = 1.2;
+constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
 /// An exact index in the place of an approximate one.
 class ExactInstead final : public ApproximateIndex {
@@ -51,29 +49,6 @@ class ExactInstead final : public ApproximateIndex {
   const MeasuredRecall recall_;
 };
 
-// Between the tree and the candidates of one query. Ends the search when cancelled.
-class MemberVisitor final : public TreeVisitor {
- public:
-  MemberVisitor(Context& context, std::span<const std::uint32_t> members, ExactNearest& nearest)
-      : context_(context), members_(members), nearest_(nearest) {}
-
-  const Status& status() const { return status_; }
-
-  double limit() override {
-    if (++asked_ % 64 == 0 && status_.ok()) status_ = context_.check();
-    return status_.ok() ? nearest_.limit() : -1;
-  }
-  bool full() const override { return nearest_.full(); }
-  void offer(std::size_t row) override { nearest_.offer(members_[row]); }
-
- private:
-  Context& context_;
-  const std::span<const std::uint32_t> members_;
-  ExactNearest& nearest_;
-  std::size_t asked_ = 0;
-  Status status_;
-};
-
 // Rows by ascending id, every so many held out.
 struct Split {
   std::vector<std::uint32_t> members, held_out;
@@ -90,32 +65,42 @@ struct Split {
   }
 };
 
-class KMeansIndex final : public ApproximateIndex {
+class FewTilesIndex final : public ApproximateIndex {
  public:
-  explicit KMeansIndex(VectorSet set)
+  explicit FewTilesIndex(VectorSet set)
       : set_(std::move(set)),
         split_(set_),
         axes_(set_, split_.members),
-        leads_(set_, axes_, split_.members) {}
-
-  Status build(Context& context, double wanted_recall) {
-    RETURN_IF_ERROR(context.check());
-    ASSIGN_OR_RETURN(tree_, KMeansTree::build(leads_.row(0), leads_.count(), leads_.columns(),
-                                              leads_.columns()));
-    return tune(context, wanted_recall);
+        leads_(set_, axes_, split_.members, LeadRows::few(set_.dimension)),
+        tiles_(leads_, split_.members.size()) {
+    leads_.forgetRows();
   }
 
   Result<Neighbors> search(Context& context, std::span<const float> query, std::size_t k,
                            const Accept& accept) const override {
     RETURN_IF_ERROR(checkQuery(query, set_.dimension, k));
     RETURN_IF_ERROR(context.check());
-    const double more = std::max(1.0, static_cast<double>(k) / kNeighbors);
-    return search(context, query, k, accept, recall_.checks * more, true);
+    const std::size_t more = (k + kNeighbors - 1) / kNeighbors;
+    return search(context, query, k, accept, recall_.tiles * more, true);
   }
 
   const VectorSet& rows() const override { return set_; }
   bool exact() const override { return false; }
   const MeasuredRecall& recall() const override { return recall_; }
+
+  /// Looks at more and more tiles until enough is found.
+  Status tune(Context& context, double wanted_recall) {
+    // All tiles: exact.
+    std::vector<double> farthest(split_.held_out.size());
+    RETURN_IF_ERROR(forHeldOut(context, kAll, [&](std::size_t q, const Neighbors& found) {
+      farthest[q] = found.back().distance;
+    }));
+    for (std::size_t tiles = 1;; tiles += 1 + tiles / 6) {
+      RETURN_IF_ERROR(measure(context, tiles, farthest));
+      const double sure = recall_.recall - kStandardErrors * recall_.standard_error;
+      if (sure >= wanted_recall || tiles > split_.members.size()) return {};
+    }
+  }
 
  private:
   std::span<const float> rowOf(std::size_t row) const {
@@ -130,7 +115,7 @@ class KMeansIndex final : public ApproximateIndex {
 
   // whole: held out rows too.
   Result<Neighbors> search(Context& context, std::span<const float> query, std::size_t k,
-                           const Accept& accept, double checks, bool whole) const {
+                           const Accept& accept, std::size_t tiles, bool whole) const {
     const std::optional<std::vector<float>> turned = axes_.turn(query);
     const double slack = PrincipalAxes::slack(turned ? normOf(*turned) : 0);
     ExactNearest nearest(set_, query, k, accept, turned ? axes_.scale() : 0, slack);
@@ -138,10 +123,8 @@ class KMeansIndex final : public ApproximateIndex {
       for (const std::uint32_t row : split_.held_out) nearest.offer(row);
     }
     if (!turned) return searchFar(context, nearest);
-    MemberVisitor visitor(context, split_.members, nearest);
-    const double most = static_cast<double>(leads_.count());
-    tree_->search(leads_.leadOf(*turned).data(), static_cast<int>(std::min(checks, most)), visitor);
-    RETURN_IF_ERROR(visitor.status());
+    nearest.renumber(split_.members);
+    RETURN_IF_ERROR(tiles_.scan(context, LeadTiles::query(leads_.leadOf(*turned)), nearest, tiles));
     return nearest.take();
   }
 
@@ -154,72 +137,42 @@ class KMeansIndex final : public ApproximateIndex {
     return nearest.take();
   }
 
-  // ---- Tuning.
-
-  Status tune(Context& context, double wanted_recall) {
-    ASSIGN_OR_RETURN(const std::vector<double> truth, farthestOfNearest(context));
-    double checks = kFewestChecks;
-    for (;; checks *= kMoreChecks) {
-      RETURN_IF_ERROR(measure(context, checks, truth));
-      const double sure = recall_.recall - kStandardErrors * recall_.standard_error;
-      if (sure >= wanted_recall || checks >= static_cast<double>(leads_.count())) return {};
-    }
-  }
-
-  // Distance of the tenth nearest member from each held out row, up to what its turning rounds.
-  Result<std::vector<double>> farthestOfNearest(Context& context) const {
-    const LeadTiles tiles(leads_, leads_.count());
-    std::vector<double> farthest(split_.held_out.size());
-    std::vector<Status> outcomes(farthest.size());
-    parallelBlocks(farthest.size(), 1, [&](std::size_t q, std::size_t) {
-      const std::span<const float> query = rowOf(split_.held_out[q]);
-      const std::optional<std::vector<float>> turned = axes_.turn(query);
-      if (!turned) {  // An outlier among the members' distances: not to be judged by.
-        farthest[q] = std::numeric_limits<double>::infinity();
-        return;
-      }
-      const Accept all;
-      // Tiles number the members.
-      ExactNearest nearest(set_, query, kNeighbors, all, axes_.scale(),
-                           PrincipalAxes::slack(normOf(*turned)));
-      nearest.renumber(split_.members);
-      outcomes[q] = tiles.scan(context, LeadTiles::query(leads_.leadOf(*turned)), nearest);
-      farthest[q] = nearest.worst();
-    });
-    for (const Status& outcome : outcomes) RETURN_IF_ERROR(outcome);
-    return farthest;
-  }
-
-  Status measure(Context& context, double checks, std::span<const double> farthest) {
-    std::vector<double> shares(farthest.size());
-    std::vector<Status> outcomes(farthest.size());
-    parallelBlocks(farthest.size(), 16, [&](std::size_t begin, std::size_t end) {
+  // note(q, the ten nearest members of held out row q).
+  template <typename Note>
+  Status forHeldOut(Context& context, std::size_t tiles, const Note& note) const {
+    std::vector<Status> outcomes(split_.held_out.size());
+    parallelBlocks(outcomes.size(), 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t q = begin; q < end; ++q) {
-        const auto found =
-            search(context, rowOf(split_.held_out[q]), kNeighbors, {}, checks, false);
+        const auto found = search(context, rowOf(split_.held_out[q]), kNeighbors, {}, tiles, false);
         outcomes[q] = found.status();
-        if (!found.ok()) continue;
-        const auto right = std::count_if(found->begin(), found->end(), [&](const Neighbor& n) {
-          return n.distance <= farthest[q];
-        });
-        shares[q] = static_cast<double>(right) / kNeighbors;
+        if (found.ok()) note(q, *found);
       }
     });
     for (const Status& outcome : outcomes) RETURN_IF_ERROR(outcome);
+    return {};
+  }
+
+  Status measure(Context& context, std::size_t tiles, std::span<const double> farthest) {
+    std::vector<double> shares(farthest.size());
+    RETURN_IF_ERROR(forHeldOut(context, tiles, [&](std::size_t q, const Neighbors& found) {
+      const auto right = std::count_if(found.begin(), found.end(), [&](const Neighbor& neighbor) {
+        return neighbor.distance <= farthest[q];
+      });
+      shares[q] = static_cast<double>(right) / kNeighbors;
+    }));
     const double count = static_cast<double>(shares.size());
     const double mean = std::accumulate(shares.begin(), shares.end(), 0.0) / count;
     double squares = 0;
     for (const double share : shares) squares += (share - mean) * (share - mean);
-    recall_ = {mean, std::sqrt(squares / (count - 1) / count), shares.size(),
-               static_cast<int>(checks)};
+    recall_ = {mean, std::sqrt(squares / (count - 1) / count), shares.size(), tiles};
     return {};
   }
 
   const VectorSet set_;
   const Split split_;
   const PrincipalAxes axes_;
-  LeadRows leads_;  ///< Of the members.
-  std::optional<KMeansTree> tree_;
+  LeadRows leads_;         ///< Without rows once built.
+  const LeadTiles tiles_;  ///< Of the members.
   MeasuredRecall recall_;
 };
 
@@ -238,8 +191,8 @@ Result<std::unique_ptr<ApproximateIndex>> makeApproximateIndex(Context& context,
   if (set.ids.size() > std::numeric_limits<std::int32_t>::max()) {
     return Status(Reason::kInvalidOption, "an approximate index holds at most 2^31 - 1 rows");
   }
-  auto index = std::make_unique<KMeansIndex>(std::move(set));
-  RETURN_IF_ERROR(index->build(context, options.wanted_recall));
+  auto index = std::make_unique<FewTilesIndex>(std::move(set));
+  RETURN_IF_ERROR(index->tune(context, options.wanted_recall));
   return std::unique_ptr<ApproximateIndex>(std::move(index));
 }
 

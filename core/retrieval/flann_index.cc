@@ -54,7 +54,6 @@ class ShardVisitor final : public TreeVisitor {
     if (++asked_ % 64 == 0 && status_.ok()) status_ = context_.check();
     return !status_.ok() || gaveUp() ? -1 : nearest_.limit();
   }
-  bool full() const override { return nearest_.full(); }
   void offer(std::size_t row) override { nearest_.offer(order_[first_ + row]); }
 
  private:
@@ -78,7 +77,7 @@ class FlannIndex final : public VectorIndex {
   FlannIndex(VectorSet set, std::size_t shard_rows)
       : set_(std::move(set)),
         axes_(set_, allRows(set_)),
-        leads_(set_, axes_, allRows(set_)),
+        leads_(set_, axes_, allRows(set_), LeadRows::few(set_.dimension)),
         tiles_(leads_, shard_rows) {
     leads_.forgetRows();
   }

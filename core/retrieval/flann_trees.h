@@ -15,8 +15,6 @@ class TreeVisitor {
   /// Rows and nodes at a larger squared distance need not be shown. Asked at every node or leaf;
   /// negative ends the search.
   virtual double limit() = 0;
-  /// Whether it has found as many as it wants.
-  virtual bool full() const = 0;
   /// A row whose squared distance is at most about the limit.
   virtual void offer(std::size_t row) = 0;
 };
@@ -37,27 +35,6 @@ class KdTree {
  private:
   struct Inside;
   explicit KdTree(std::unique_ptr<Inside> inside);
-  std::unique_ptr<Inside> inside_;
-};
-
-/// FLANN's tree of k-means clusters, which looks at the most promising leaves first and stops after
-/// `checks` rows (and when the visitor is full). The same rows give the same tree. Immutable; safe
-/// to search from several threads.
-class KMeansTree {
- public:
-  /// rows: count rows of `columns` values, `stride` values apart, which must outlive the tree;
-  /// otherwise as KdTree.
-  static Result<KMeansTree> build(float* rows, std::size_t count, std::size_t columns,
-                                  std::size_t stride);
-  KMeansTree(KMeansTree&&) noexcept;
-  KMeansTree& operator=(KMeansTree&&) noexcept;
-  ~KMeansTree();
-
-  void search(const float* query, int checks, TreeVisitor& visitor) const;
-
- private:
-  struct Inside;
-  explicit KMeansTree(std::unique_ptr<Inside> inside);
   std::unique_ptr<Inside> inside_;
 };
 

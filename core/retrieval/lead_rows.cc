@@ -10,17 +10,15 @@ namespace {
 
 constexpr std::size_t kTurnedRows = 4096;
 
-// Enough that the bound rules out nearly all rows, few enough that they cost little memory beside
-// the rows themselves.
-std::size_t leadingOf(std::size_t dimension) {
+}  // namespace
+
+std::size_t LeadRows::few(std::size_t dimension) {
   return std::min(dimension, std::clamp<std::size_t>(dimension / 4 + 2, 12, 18));
 }
 
-}  // namespace
-
 LeadRows::LeadRows(const VectorSet& set, const PrincipalAxes& axes,
-                   std::span<const std::uint32_t> rows)
-    : dimension_(set.dimension), leading_(leadingOf(set.dimension)) {
+                   std::span<const std::uint32_t> rows, std::size_t leading)
+    : dimension_(set.dimension), leading_(std::min(leading, set.dimension)) {
   values_.resize(rows.size() * columns());
   parallelBlocks(rows.size(), kTurnedRows, [&](std::size_t begin, std::size_t end) {
     std::vector<float> turned((end - begin) * dimension_);

@@ -14,8 +14,12 @@ namespace moduli {
 /// of those bounds the distance of turned rows from below.
 class LeadRows {
  public:
-  /// Row i of these is rows[i] of the set.
-  LeadRows(const VectorSet& set, const PrincipalAxes& axes, std::span<const std::uint32_t> rows);
+  /// As many coordinates as rule out nearly all rows and cost little memory beside the rows.
+  static std::size_t few(std::size_t dimension);
+
+  /// Row i of these is rows[i] of the set. leading: number of coordinates; all if there are fewer.
+  LeadRows(const VectorSet& set, const PrincipalAxes& axes, std::span<const std::uint32_t> rows,
+           std::size_t leading);
 
   std::size_t count() const { return values_.size() / columns(); }
   std::size_t columns() const { return leading_ + (leading_ < dimension_ ? 1 : 0); }
