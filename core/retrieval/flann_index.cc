@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <thread>
 
 #include "core/base/parallel.h"
 #include "core/retrieval/checks.h"
@@ -25,7 +26,8 @@ using Neighbors = std::vector<Neighbor>;
 
 // Queries that one pass over the rows answers together.
 constexpr std::size_t kGroup = 64;
-constexpr std::size_t kShareRows = 250000;
+// At least that each core scans.
+constexpr std::size_t kShareRows = 50000;
 // What a tree may ask for one query before a scan is cheaper (measured at 1e5 and 1e6 rows): a
 // third of a millisecond. Queries near known rows are answered by then.
 constexpr std::size_t kQuestions = 1000;
@@ -177,7 +179,8 @@ class FlannIndex final : public VectorIndex {
   // All tiles, on all cores. cap: no row farther than that is wanted.
   Result<Neighbors> scanOne(Context& context, const Turned& turned, std::size_t k,
                             const Accept& accept, double cap) const {
-    const std::size_t shares = (set_.ids.size() + kShareRows - 1) / kShareRows;
+    const std::size_t shares = std::clamp<std::size_t>(
+        set_.ids.size() / kShareRows, 1, std::max(1U, std::thread::hardware_concurrency()));
     std::vector<Neighbors> found(shares);
     std::vector<Status> outcomes(shares);
     parallelBlocks(shares, 1, [&](std::size_t share, std::size_t) {
