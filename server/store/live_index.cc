@@ -30,6 +30,15 @@ constexpr std::size_t kMuchLarger = 4;
 constexpr int kLowestPriority = 19;
 constexpr int kLongestWait = 10000;  // Milliseconds.
 
+// On a thread of its own; the threads that it starts inherit the priority. Where that cannot be
+// had, searches are slower meanwhile.
+void atLowestPriority(const std::function<void()>& work) {
+  std::thread([&] {
+    (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowestPriority);
+    work();
+  }).join();
+}
+
 }  // namespace
 
 /// An immutable part: FLANN over rows by ascending id.
@@ -234,18 +243,6 @@ bool LiveIndex::removedDue(const State& state) const {
          static_cast<double>(state.removed_count) > share;
 }
 
-Status LiveIndex::rebuild() {
-  const std::unique_lock only_one(rebuild_mutex_, std::try_to_lock);
-  if (!only_one.owns_lock()) return {};
-  Status status;
-  std::thread([&] {
-    // The threads that it starts inherit it. Where it cannot be had, searches are slower meanwhile.
-    (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kLowestPriority);
-    status = rebuildNow();
-  }).join();
-  return status;
-}
-
 /// What goes into a new base.
 struct LiveIndex::Merge {
   std::size_t kept_bases = 0;  ///< The first so many stay as they are.
@@ -285,10 +282,18 @@ LiveIndex::Merge LiveIndex::takeForMerge(const State& before) const {
   return merge;
 }
 
-Status LiveIndex::rebuildNow() {
+Status LiveIndex::rebuild() {
+  const std::unique_lock only_one(rebuild_mutex_, std::try_to_lock);
+  if (!only_one.owns_lock()) return {};
   std::shared_ptr<const State> before = state();
-  Merge merge = takeForMerge(*before);
-  ASSIGN_OR_RETURN(std::shared_ptr<Base> base, Base::build(std::move(merge.present)));
+  Merge merge;
+  std::optional<Result<std::shared_ptr<Base>>> built;
+  // Only what holds no lock: who waits for a lock must not wait for the lowest priority.
+  atLowestPriority([&] {
+    merge = takeForMerge(*before);
+    built = Base::build(std::move(merge.present));
+  });
+  ASSIGN_OR_RETURN(std::shared_ptr<Base> base, *std::move(built));
   {
     const std::lock_guard lock(write_mutex_);
     const std::shared_ptr<const State> now = state();

@@ -43,9 +43,9 @@ class LiveIndex {
 
   bool rebuildDue() const;
   /// Makes a new FLANN index of the tail and the indexes that are not much larger, of all where
-  /// many rows are removed, and swaps it in; writes and searches go on meanwhile. It works on a
-  /// thread of the lowest priority, so that searches keep their processors. A second call while one
-  /// runs returns at once. O(log(n)^2) a row over time.
+  /// many rows are removed, and swaps it in; writes and searches go on meanwhile. It builds on
+  /// a thread of the lowest priority, so that searches keep their processors. A second call while
+  /// one runs returns at once. O(log(n)^2) a row over time.
   Status rebuild();
 
   std::size_t size() const;
@@ -62,7 +62,6 @@ class LiveIndex {
   void publish(std::shared_ptr<const State> state);
   void appendRow(State& state, std::int64_t id, std::span<const float> values);
   bool removedDue(const State& state) const;
-  Status rebuildNow();
   Merge takeForMerge(const State& before) const;
   bool markRemoved(const State& state, std::int64_t id, std::uint64_t version);
 

@@ -54,13 +54,13 @@ Queries makeQueries(Shape shape, const Queries& vectors, std::size_t count) {
 
 TEST(ExactSearch, IsBruteForceToTheLastBitForOneAndForManyQueries) {
   for (const Shape shape : kShapes) {
-    for (const std::size_t dimension : {1, 5, 24, 40}) {
-      const Queries vectors = shapedVectors(shape, 9000, dimension, 1);
+    for (const std::size_t dimension : {1, 24}) {
+      const Queries vectors = shapedVectors(shape, 5000, dimension, 1);
       const VectorSet set = setOf(vectors);
       const Queries queries = makeQueries(shape, vectors, 70);
       const auto brute = built(makeBruteForceIndex(set));
-      const auto exact = built(makeFlannIndex(set, 4000));
-      for (const std::size_t k : {1, 10, 300}) {
+      const auto exact = built(makeFlannIndex(set, 2000));
+      for (const std::size_t k : {1, 100}) {
         const Answers truth = oneByOne(*brute, queries, k);
         EXPECT_EQ(oneByOne(*exact, queries, k), truth) << static_cast<int>(shape) << dimension;
         EXPECT_EQ(together(*exact, queries, k), truth) << static_cast<int>(shape) << dimension;
