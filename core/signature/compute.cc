@@ -193,31 +193,41 @@ class SignatureBuilder {
     certificate.newton_iterations = metric.newton_iterations;
     certificate.flips = metric.flips;
     certificate.smallest_angle = metric.smallest_angle;
+    if (!signature_.conformal) return {};
+    signature_.conformal->boundary_lengths = geodesicBoundaryLengths(surface(), *found);
     return addGeodesics(found->metric);
   }
 
   /// The other invariants stand without the group and its closed geodesics.
   Status addGeodesics(const DiscreteMetric& metric) {
-    if (!signature_.conformal) return {};
     const Context::Stage stage(context_, "geodesics");
-    const Result<HyperbolicInvariants> found = hyperbolicInvariants(context_, metric);
+    const Result<HyperbolicInvariants> found =
+        hyperbolicInvariants(context_, metric, options_.spectrum_length);
+    std::vector<std::string>& warnings = signature_.certificate.warnings;
     if (!found.ok()) {
       const Reason reason = found.status().reason();
       if (reason == Reason::kCancelled || reason == Reason::kDeadlineExceeded) {
         return found.status();
       }
-      signature_.certificate.warnings.push_back("GEODESICS_OMITTED: " + found.status().message());
+      warnings.push_back("GEODESICS_OMITTED: " + found.status().message());
       return {};
     }
     signature_.conformal->generators = found->generators;
     signature_.conformal->length_spectrum = found->lengths;
     signature_.conformal->fenchel_nielsen = found->pants;
     signature_.certificate.relation_residual = found->relation_residual;
-    if (found->geodesics.ok()) {
-      signature_.certificate.spectrum_complete_to = found->complete_to;
-    } else {
-      signature_.certificate.warnings.push_back("GEODESICS_OMITTED: " + found->geodesics.message());
+    if (!found->geodesics.ok()) {
+      warnings.push_back("GEODESICS_OMITTED: " + found->geodesics.message());
+      return {};
     }
+    signature_.certificate.spectrum_complete_to = found->complete_to;
+    const std::optional<double> asked = options_.spectrum_length;
+    if (asked && found->complete_to < *asked) {
+      warnings.push_back("SPECTRUM_LIMITED: closed geodesics up to " + shortestDouble(*asked) +
+                         " are too many to find; up to " + shortestDouble(found->complete_to) +
+                         " all are there");
+    }
+    if (!found->pants) warnings.push_back("PANTS_OMITTED: " + found->pants_curves.message());
     return {};
   }
 

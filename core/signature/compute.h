@@ -16,6 +16,9 @@ struct SignatureOptions {
   /// of space changes. Intrinsic triangulations that are not Euclidean start from their own edges
   /// in any case.
   bool initial_delaunay = true;
+  /// Closed geodesics up to this length, > 0, as far as some million elements of the group tell;
+  /// empty: up to a length that takes little time.
+  std::optional<double> spectrum_length;
 };
 
 /// Signature of a connected oriented manifold surface. The conformal block is there for every

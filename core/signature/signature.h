@@ -75,6 +75,8 @@ struct ConformalBlock {
   std::vector<double> length_spectrum;
   std::vector<DiskIsometry> generators;  ///< Of the group of that surface: A_1 B_1 A_2 B_2 ..
   std::optional<PantsCoordinates> fenchel_nielsen;  ///< Of that surface.
+  /// With a boundary too: of the geodesics that the loops become, ascending.
+  std::vector<double> boundary_lengths;
 };
 
 /// What bending without stretching keeps.

@@ -139,6 +139,11 @@ Status checkSignature(const v1::Signature& message) {
                     [](double length) { return length <= 0; })) {
       return refuse("its length spectrum holds what is not a positive number, or too much");
     }
+    if (!sound(block.boundary_lengths()) ||
+        std::any_of(block.boundary_lengths().begin(), block.boundary_lengths().end(),
+                    [](double length) { return length <= 0; })) {
+      return refuse("a boundary length is not a positive number, or there are too many");
+    }
     if (!sound(block.generators())) {
       return refuse("a generator is not finite, or there are too many");
     }
@@ -268,6 +273,8 @@ ConformalBlock fromProto(const v1::ConformalBlock& message) {
     block.fenchel_nielsen = {{pants.lengths().begin(), pants.lengths().end()},
                              {pants.twists().begin(), pants.twists().end()}};
   }
+  block.boundary_lengths.assign(message.boundary_lengths().begin(),
+                                message.boundary_lengths().end());
   for (const v1::DiskIsometry& isometry : message.generators()) {
     block.generators.push_back(
         {{isometry.a().re(), isometry.a().im()}, {isometry.b().re(), isometry.b().im()}});
@@ -306,12 +313,9 @@ v1::ConformalBlock toProto(const ConformalBlock& block) {
     append(block.fenchel_nielsen->lengths, *pants.mutable_lengths());
     append(block.fenchel_nielsen->twists, *pants.mutable_twists());
   }
+  append(block.boundary_lengths, *message.mutable_boundary_lengths());
   for (const DiskIsometry& isometry : block.generators) {
-    v1::DiskIsometry& generator = *message.add_generators();
-    generator.mutable_a()->set_re(isometry.a.real());
-    generator.mutable_a()->set_im(isometry.a.imag());
-    generator.mutable_b()->set_re(isometry.b.real());
-    generator.mutable_b()->set_im(isometry.b.imag());
+    *message.add_generators() = moduli::toProto(isometry.a, isometry.b);
   }
   return message;
 }
@@ -335,6 +339,15 @@ v1::Inspection toProto(const Inspection& inspection, const std::vector<RepairAct
     one.set_action(action.action);
     one.set_count(action.count);
   }
+  return message;
+}
+
+v1::DiskIsometry toProto(const std::complex<double>& a, const std::complex<double>& b) {
+  v1::DiskIsometry message;
+  message.mutable_a()->set_re(a.real());
+  message.mutable_a()->set_im(a.imag());
+  message.mutable_b()->set_re(b.real());
+  message.mutable_b()->set_im(b.imag());
   return message;
 }
 

@@ -77,7 +77,8 @@ TEST_F(JsonOutput, SignatureOfAPretzelHasItsPeriods) {
   EXPECT_THAT(block.keys(),
               UnorderedElementsAre("type", "period_matrix", "period_error", "energy_spectrum",
                                    "energy_spectrum_error", "circles", "length_spectrum",
-                                   "generators", "fenchel_nielsen"));
+                                   "generators", "fenchel_nielsen", "boundary_lengths"));
+  EXPECT_EQ(block["boundary_lengths"].size(), 0);
   EXPECT_EQ(block["circles"].size(), 0);
   EXPECT_EQ(block["type"].string(), "HYPERBOLIC");
   EXPECT_EQ(block["period_matrix"]["size"].number(), 2);
