@@ -37,9 +37,9 @@ class ApproximateIndex : public VectorIndex {
 /// with kInvalidOption on a recall outside (0, 1], and with kCancelled / kDeadlineExceeded. Holds
 /// the rows, and at most 19 values and two numbers a row. O(n log n) to build.
 ///
-/// FLANN's tree of k-means clusters is not used: at 1e6 signatures of dimension 32 and 64 it takes
-/// four to five times as long for the same recall, seven times as long to build, and draws random
-/// numbers that nobody can repeat.
+/// FLANN's tree of k-means clusters is not used: measured at 1e6 signatures, recall 0.995, it takes
+/// 2.9 times as long in dimension 32, 1.9 in 64 (1.4 where families overlap widely), two to four
+/// times as long to build, and draws random numbers that nobody can repeat.
 Result<std::unique_ptr<ApproximateIndex>> makeApproximateIndex(
     Context& context, VectorSet set, const ApproximateOptions& options = {});
 
