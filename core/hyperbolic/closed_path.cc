@@ -48,7 +48,7 @@ class Follower {
       steps.push_back(step());
       if (face_ == first_face &&
           distanceUpToSign(element_, first_element) < kSameElement * std::abs(element_.a)) {
-        return steps;
+        return repeated(steps, translationLength(element_));
       }
       if (steps.size() < longest) continue;
       longest *= 2;
@@ -62,9 +62,31 @@ class Follower {
  private:
   static constexpr std::size_t kStepsPerCheck = 4096;
   static constexpr std::size_t kFirstWay = 1024;
+  static constexpr double kShortestTurn = 1e-8;
 
   static Status lost() {
     return {Reason::kInternal, "a closed geodesic cannot be followed across the faces"};
+  }
+
+  /// Powers of an element look the same after each turn: so many that they are of this length.
+  Result<std::vector<PathStep>> repeated(const std::vector<PathStep>& turn, double length) const {
+    double once = 0;
+    for (std::size_t i = 0; i < turn.size(); ++i) {
+      const PathStep& next = turn[(i + 1) % turn.size()];
+      once += hyperbolicDistance(place(turn[i].entry, turn[i].fraction),
+                                 place(surface_.twin(next.entry), 1 - next.fraction));
+    }
+    if (!(once > kShortestTurn)) return lost();
+    std::vector<PathStep> steps = turn;
+    for (double way = 1.5 * once; way < length; way += once) {
+      steps.insert(steps.end(), turn.begin(), turn.end());
+    }
+    return steps;
+  }
+
+  /// In the coordinates of the face of h.
+  Complex place(Index h, double fraction) const {
+    return imageOf(cornerFrame(triangles_, h), std::tanh(fraction * triangles_.lengths[h] / 2));
   }
 
   /// Brings the axis and the corners' sides of it up to date.

@@ -15,10 +15,11 @@ struct StraightFaces {
   /// Per halfedge, at its tail: all three of a face negative where the metric turns it over.
   std::vector<double> angles;
 
-  /// Or without area.
+  /// Or without area, up to rounding: a face with two sides on a straight boundary.
   bool isFolded(Index face) const {
+    constexpr double kFlat = 1e-11;
     const double* angle = &angles[3 * face];
-    return !(angle[0] > 0 && angle[1] > 0 && angle[2] > 0);
+    return !(angle[0] > kFlat && angle[1] > kFlat && angle[2] > kFlat);
   }
 };
 

@@ -71,14 +71,15 @@ std::vector<Index> foldedImages(const Connectivity& surface, const DiskLayout& l
   return folded;
 }
 
-/// The edge of a face on which neighbouring vertices are farthest from each other, with so many new
-/// ones on each.
-Index widestGaps(const HyperbolicTriangles& triangles, Index face, const std::vector<int>& counts) {
+/// The edge of a given face on which neighbouring vertices are farthest from each other, with so
+/// many more on each of its parts. longest: per edge its longest part without these.
+Index widestGap(const Connectivity& surface, Index face, const std::vector<double>& longest,
+                const std::vector<int>& counts) {
   Index widest = kNone;
   double width = 0;
   for (Index h = 3 * face; h < 3 * face + 3; ++h) {
-    const Index e = triangles.surface.edge(h);
-    const double gap = triangles.lengths[h] / (counts[e] + 1);
+    const Index e = surface.edge(h);
+    const double gap = longest[e] / (counts[e] + 1);
     if (!(gap > width)) continue;
     width = gap;
     widest = e;
@@ -153,18 +154,18 @@ class HyperbolicMapping {
     };
     if (folded.empty()) return {};
     if (!options_.refine) return failure("--refine auto cuts these faces");
-    if (straight.subdivision) return failure("finer faces avoid it");
-    const HyperbolicTriangles whole = straight.triangles;
+    const StraightSurface before = straight;
+    const std::vector<double> longest = longestParts(before);
     std::vector<int> counts(surface_.edgeCount(), 0);
     for (int round = 0; round < kMostRounds && !folded.empty(); ++round) {
       std::vector<int> more = counts;
       for (const Index f : folded) {
         const Index parent = straight.subdivision ? straight.subdivision->parent[f] : f;
-        const Index e = widestGaps(whole, parent, counts);
+        const Index e = widestGap(surface_, parent, longest, counts);
         more[e] = counts[e] + 1;
       }
       counts = std::move(more);
-      ASSIGN_OR_RETURN(straight, splitStraight(whole, counts));
+      ASSIGN_OR_RETURN(straight, splitStraight(before, counts));
       ASSIGN_OR_RETURN(image, layOut(straight.triangles));
       folded = foldedImages(straight.triangles.surface, image.layout);
     }

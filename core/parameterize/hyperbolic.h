@@ -28,7 +28,8 @@ struct HyperbolicOptions {
 ///
 /// Fails with kUnsupportedTopology on a surface that is not connected or whose Euler characteristic
 /// is not negative (the message says what it is, the hint which target serves), kFoldedMap naming
-/// how many faces fold (without `refine`), kResidualTooLarge, and as uniformize does. About 8 F and
+/// how many faces fold (with `refine` where thin needles still do after some rounds of cutting),
+/// kResidualTooLarge, and as uniformize does. About 8 F and
 /// the search for geodesics. Source: MATH 6, 7.
 Result<Parameterization> parameterizeHyperbolic(Context& context, const Connectivity& surface,
                                                 const std::vector<double>& lengths,

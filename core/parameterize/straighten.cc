@@ -82,6 +82,15 @@ class BentEdges {
   const std::vector<double>& u_;
 };
 
+/// Of the faces of a double the first copy; of another surface all.
+HyperbolicTriangles firstCopy(const Connectivity& surface, const std::vector<double>& lengths,
+                              const std::vector<double>& angles) {
+  const auto count = static_cast<std::ptrdiff_t>(surface.halfedgeCount());
+  return {surface,
+          {lengths.begin(), lengths.begin() + count},
+          {angles.begin(), angles.begin() + count}};
+}
+
 /// Given faces and their pieces in the disk, one given face at a time.
 class Pieces {
  public:
@@ -134,7 +143,8 @@ class Pieces {
     }
     return StraightSurface{{std::move(refined), std::move(lengths), std::move(angles)},
                            std::move(subdivision),
-                           folded};
+                           folded,
+                           WholeFaces{firstCopy(surface, lengths_, angles_), places()}};
   }
 
  private:
@@ -142,6 +152,17 @@ class Pieces {
     Index number = 0;
     Complex point;
   };
+
+  /// Of all new vertices, by their numbers.
+  std::vector<Complex> places() const {
+    std::vector<Complex> result(next_vertex_ - given_.vertexCount());
+    for (const std::vector<NewVertex>& vertices : on_edge_) {
+      for (const NewVertex& vertex : vertices) {
+        result[vertex.number - given_.vertexCount()] = vertex.point;
+      }
+    }
+    return result;
+  }
 
   Complex place(Index v) const {
     for (int c = 0; c < 3; ++c) {
@@ -178,13 +199,67 @@ class Pieces {
   std::vector<NewVertex> side_points_;
 };
 
-/// Of the faces of a double the first copy; of another surface all.
-HyperbolicTriangles firstCopy(const Connectivity& surface, const StraightFaces& faces) {
-  const auto count = static_cast<std::ptrdiff_t>(surface.halfedgeCount());
-  return {surface,
-          {faces.lengths.begin(), faces.lengths.begin() + count},
-          {faces.angles.begin(), faces.angles.begin() + count}};
-}
+/// The edges of a given surface with the new vertices that cut them, in their order.
+class CutEdges {
+ public:
+  explicit CutEdges(const StraightSurface& surface)
+      : triangles_(surface.whole ? surface.whole->triangles : surface.triangles),
+        vertices_(triangles_.surface.edgeCount()) {
+    for (Index e = 0; e < triangles_.surface.edgeCount(); ++e) {
+      vertices_[e].push_back({{triangles_.surface.halfedge(e), 0, {}}, 0.0});
+    }
+    if (surface.subdivision) {
+      for (std::size_t n = 0; n < surface.subdivision->vertices.size(); ++n) {
+        const Subdivision::Vertex& vertex = surface.subdivision->vertices[n];
+        vertices_[triangles_.surface.edge(vertex.halfedge)].push_back(
+            {vertex, surface.whole->places[n]});
+      }
+    }
+    for (Index e = 0; e < triangles_.surface.edgeCount(); ++e) {
+      const Index h = triangles_.surface.halfedge(e);
+      vertices_[e].push_back({{h, 1, {}}, onAxis(triangles_.lengths[h])});
+    }
+  }
+
+  struct Point {
+    Subdivision::Vertex vertex;
+    Complex place;
+  };
+
+  const HyperbolicTriangles& triangles() const { return triangles_; }
+
+  double longestPart(Index e) const {
+    double longest = 0;
+    for (std::size_t n = 1; n < vertices_[e].size(); ++n) {
+      longest =
+          std::max(longest, hyperbolicDistance(vertices_[e][n - 1].place, vertices_[e][n].place));
+    }
+    return longest;
+  }
+
+  /// With `count` more on each part of an edge; without its ends.
+  std::vector<Point> inside(Index e, int count) const {
+    std::vector<Point> points;
+    for (std::size_t n = 1; n < vertices_[e].size(); ++n) {
+      const Point &from = vertices_[e][n - 1], &to = vertices_[e][n];
+      const Su11 frame = edgeFrame(from.place, to.place);
+      const double length = hyperbolicDistance(from.place, to.place);
+      if (n > 1) points.push_back(from);
+      for (int k = 1; k <= count; ++k) {
+        const double way = k / (count + 1.0);
+        const double fraction =
+            from.vertex.fraction + way * (to.vertex.fraction - from.vertex.fraction);
+        points.push_back(
+            {{from.vertex.halfedge, fraction, {}}, imageOf(frame, onAxis(way * length))});
+      }
+    }
+    return points;
+  }
+
+ private:
+  const HyperbolicTriangles& triangles_;
+  std::vector<std::vector<Point>> vertices_;  ///< With the ends.
+};
 
 Status checkFaces(const Connectivity& surface) {
   for (Index f = 0; f < surface.faceCount(); ++f) {
@@ -202,7 +277,7 @@ Status checkFaces(const Connectivity& surface) {
 
 StraightSurface straighten(const Connectivity& surface, const Uniformization& uniformization) {
   const StraightFaces faces = straightFaces(uniformization.metric);
-  StraightSurface result{firstCopy(surface, faces)};
+  StraightSurface result{firstCopy(surface, faces.lengths, faces.angles)};
   for (Index f = 0; f < surface.faceCount(); ++f) result.folded += faces.isFolded(f);
   return result;
 }
@@ -232,28 +307,37 @@ Result<StraightSurface> straightenRefined(Context& context, const Connectivity& 
   return pieces.collect(surface, std::move(subdivision));
 }
 
-Result<StraightSurface> splitStraight(const HyperbolicTriangles& triangles,
+Result<StraightSurface> splitStraight(const StraightSurface& surface,
                                       const std::vector<int>& counts) {
-  const Connectivity& surface = triangles.surface;
-  RETURN_IF_ERROR(checkFaces(surface));
+  const CutEdges edges(surface);
+  const HyperbolicTriangles& triangles = edges.triangles();
+  const Connectivity& given = triangles.surface;
+  RETURN_IF_ERROR(checkFaces(given));
   std::vector<Subdivision::Vertex> vertices;
-  for (Index e = 0; e < surface.edgeCount(); ++e) {
-    const std::vector<Subdivision::Vertex> here = evenVertices(surface, {e}, counts[e]);
-    vertices.insert(vertices.end(), here.begin(), here.end());
+  Pieces pieces(given, triangles.lengths, triangles.angles);
+  for (Index e = 0; e < given.edgeCount(); ++e) {
+    for (const CutEdges::Point& point : edges.inside(e, counts[e])) {
+      vertices.push_back(point.vertex);
+      pieces.add(e, point.place);
+    }
   }
-  Pieces pieces(surface, triangles.lengths, triangles.angles);
   SubdivisionImage image;
-  image.locate = [&](const Subdivision::Vertex& vertex) {
-    pieces.add(surface.edge(vertex.halfedge),
-               onAxis(vertex.fraction * triangles.lengths[vertex.halfedge]));
-  };
   image.enter = [&](Index face) { pieces.enter(face); };
   image.quality = [&](Index a, Index b, Index c) { return pieces.quality(a, b, c); };
-  std::optional<Subdivision> subdivision = splitEdges(surface, vertices, image);
+  std::optional<Subdivision> subdivision = splitEdges(given, vertices, image);
   if (!subdivision) {
     return Status(Reason::kFoldedMap, "faces without area cannot be cut", "give a finer mesh");
   }
-  return pieces.collect(surface, *std::move(subdivision));
+  return pieces.collect(given, *std::move(subdivision));
+}
+
+std::vector<double> longestParts(const StraightSurface& surface) {
+  const CutEdges edges(surface);
+  std::vector<double> longest;
+  for (Index e = 0; e < edges.triangles().surface.edgeCount(); ++e) {
+    longest.push_back(edges.longestPart(e));
+  }
+  return longest;
 }
 
 }  // namespace moduli

@@ -18,7 +18,7 @@ struct SignatureOptions {
   bool initial_delaunay = true;
   /// Closed geodesics up to this length, > 0, as far as some million elements of the group tell;
   /// empty: up to a length that takes little time.
-  std::optional<double> spectrum_length;
+  std::optional<double> spectrum_length = {};
 };
 
 /// Signature of a connected oriented manifold surface. The conformal block is there for every
