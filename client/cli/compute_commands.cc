@@ -124,9 +124,9 @@ std::vector<CommandSpec> computeCommands() {
                   "with more handles or holes, each with a certified error; the latter also have a "
                   "hyperbolic metric: their closed geodesics, shortest first, the generators of "
                   "their group, and lengths and twists of the curves that cut them into pairs of "
-                  "pants. Closed surfaces of "
-                  "genus 0 and 1 have the other two as well, unless they come without positions, "
-                  "as intrinsic triangulations (.json). The certificate that comes with it "
+                  "pants. Every "
+                  "surface has the other two as well, unless it comes without positions, as an "
+                  "intrinsic triangulation (.json). The certificate that comes with it "
                   "carries the residuals to judge it by. A surface of several components is "
                   "refused unless --component says which one is meant.",
        .arguments = {{.name = "MESH", .help = kMeshHelp}},
