@@ -17,6 +17,8 @@ constexpr double kAreaTolerance = 1e-6;
 constexpr double kAreaReached = 1e-10;
 /// Rounding of the generators, more than this leaves no doubt that they are another group's.
 constexpr double kAreaOfRounding = 1e-2;
+/// A corner cut off by less is not.
+constexpr double kSliver = 1e-12;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// As GroupElement, in 113 bits: products of elements that move 0 by d lose a factor e^{d} each
@@ -47,30 +49,47 @@ WideElement productOf(const WideElement& g, const WideElement& h) {
 struct Cell {
   std::vector<Complex> corner{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}};
   std::vector<int> side{-1, -1, -1, -1};
+  double reach = 3;  ///< The largest |corner|, or more.
 
-  double reach() const {
+  void measureReach() {
     double square = 0;
     for (const Complex& k : corner) square = std::max(square, std::norm(k));
-    return std::sqrt(square);
+    reach = std::sqrt(square);
   }
 };
 
-/// Cuts off what is nearer to g(0) than to 0: Re(conj(u) k) > |w| for the image w of 0 in the
-/// direction u. Returns whether that was anything.
+/// The points k with Re(conj(direction) k) > height are nearer to g(0) than to 0.
+struct Bisector {
+  explicit Bisector(const Su11& g) {
+    const double b = std::sqrt(std::norm(g.b));
+    const double a = std::sqrt(std::norm(g.a));
+    height = b / a;
+    direction = g.b * g.a / (a * b);
+  }
+  double above(Complex k) const {
+    return direction.real() * k.real() + direction.imag() * k.imag() - height;
+  }
+
+  double height = 0;
+  Complex direction;
+};
+
+/// Whether cutOff would find anything.
+bool cuts(const Cell& cell, const Su11& g) {
+  const Bisector bisector(g);
+  if (bisector.height >= cell.reach) return false;
+  return std::any_of(cell.corner.begin(), cell.corner.end(),
+                     [&bisector](Complex k) { return bisector.above(k) > kSliver; });
+}
+
+/// Cuts off what is nearer to g(0) than to 0. Returns whether that was anything.
 bool cutOff(Cell& cell, const Su11& g, int label) {
-  const Complex image = g.b / std::conj(g.a);
-  const double height = std::abs(image);
-  if (height >= cell.reach()) return false;
-  const Complex direction = image / height;
+  if (!cuts(cell, g)) return false;
+  const Bisector bisector(g);
   const std::size_t n = cell.corner.size();
   std::vector<double> above(n);
-  bool cuts = false;
-  for (std::size_t i = 0; i < n; ++i) {
-    above[i] = std::real(std::conj(direction) * cell.corner[i]) - height;
-    cuts = cuts || above[i] > 1e-12;
-  }
-  if (!cuts) return false;
-  Cell rest{{}, {}};
+  for (std::size_t i = 0; i < n; ++i) above[i] = bisector.above(cell.corner[i]);
+  Cell rest{{}, {}, 0};
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t j = (i + 1) % n;
     const bool in = above[i] <= 0;
@@ -84,6 +103,7 @@ bool cutOff(Cell& cell, const Su11& g, int label) {
     rest.side.push_back(in ? label : cell.side[i]);
   }
   cell = std::move(rest);
+  cell.measureReach();
   return true;
 }
 
@@ -95,7 +115,7 @@ Cell cellOf(const Elements& elements) {
 }
 
 bool isBounded(const Cell& cell) {
-  return cell.reach() < 1 - 1e-14;
+  return cell.reach < 1 - 1e-14;
 }
 
 Complex diskPoint(Complex klein) {
@@ -114,12 +134,19 @@ double areaOf(const Cell& cell) {
   return area;
 }
 
+/// Whether both are the same isometry, up to rounding.
+bool isSame(const Su11& g, const Su11& h) {
+  const double most = kSamePoint * kSamePoint * std::norm(g.a);
+  return (std::norm(g.b - h.b) < most && std::norm(g.a - h.a) < most) ||
+         (std::norm(g.b + h.b) < most && std::norm(g.a + h.a) < most);
+}
+
 /// The elements of the sides, and their inverses.
 Elements neighboursOf(const Cell& cell, const Elements& elements) {
   Elements result;
   const auto add = [&result](WideElement g) {
     for (const WideElement& h : result)
-      if (distanceUpToSign(g.shape, h.shape) < kSamePoint * std::abs(g.shape.a)) return;
+      if (isSame(g.shape, h.shape)) return;
     result.push_back(std::move(g));
   };
   for (const int side : cell.side) {
@@ -155,16 +182,35 @@ Status needTranslation(const Su11& g) {
                                       ", but a closed surface's elements are translations"};
 }
 
-/// The neighbours, those of their products whose bisectors come nearer than `reach` (in Klein's
-/// model), and what remains of the generators.
-Result<Elements> grow(const Elements& neighbours, const Elements& generators, double reach) {
+/// Whether descend leads to 1, as far as doubles tell.
+bool descendsToUnit(Su11 g, const Elements& neighbours) {
+  constexpr double kLargest = 1e5;  // Its products are right to 1e-16 kLargest^2.
+  if (std::abs(g.b) > kLargest) return false;
+  for (bool nearer = true; nearer;) {
+    nearer = false;
+    Su11 best = g;
+    for (const WideElement& s : neighbours) {
+      const Su11 product = s.shape * g;
+      if (std::norm(product.b) >= std::norm(best.b)) continue;
+      best = product;
+      nearer = true;
+    }
+    g = best;
+  }
+  return std::abs(g.b) < kSamePoint;
+}
+
+/// The neighbours, and those of their products and of what remains of the generators that cut the
+/// cell of the neighbours. Nothing else can be a side: the cell only gets smaller.
+Result<Elements> grow(const Cell& cell, const Elements& neighbours, const Elements& generators) {
   Elements result = neighbours;
-  const auto add = [&result](WideElement g) -> Status {
+  const auto add = [&](WideElement g) -> Status {
     RETURN_IF_ERROR(needTranslation(g.shape));
-    if (std::abs(g.shape.b) > kSamePoint) result.push_back(std::move(g));
+    if (std::abs(g.shape.b) > kSamePoint && cuts(cell, g.shape)) result.push_back(std::move(g));
     return {};
   };
   for (const WideElement& generator : generators) {
+    if (descendsToUnit(generator.shape, neighbours)) continue;
     WideElement rest = descend(generator, neighbours);
     RETURN_IF_ERROR(add(inverseOf(rest)));
     RETURN_IF_ERROR(add(std::move(rest)));
@@ -172,8 +218,7 @@ Result<Elements> grow(const Elements& neighbours, const Elements& generators, do
   for (const WideElement& g : neighbours) {
     for (const WideElement& h : neighbours) {
       const Su11 shape = g.shape * h.shape;
-      if (std::abs(shape.b) > reach * std::abs(shape.a)) continue;
-      RETURN_IF_ERROR(add(productOf(g, h)));
+      if (cuts(cell, shape)) RETURN_IF_ERROR(add(productOf(g, h)));
     }
   }
   return result;
@@ -210,12 +255,13 @@ Result<Domain> closeDomain(Context& context, Elements elements, int genus) {
     if (std::abs(excess) < kAreaTolerance && (excess < kAreaReached || stays))
       return Domain{std::move(cell), std::move(neighbours), std::abs(excess) * area};
     if (excess < 0) return tooSmall(excess, genus);
-    ASSIGN_OR_RETURN(elements, grow(neighbours, generators, cell.reach() * (1 + 1e-9)));
-    const bool cuts = std::any_of(elements.begin(), elements.end(), [&cell](const WideElement& g) {
-      Cell copy = cell;
-      return cutOff(copy, g.shape, 0);
-    });
-    if (!cuts) break;
+    const std::size_t sides = neighbours.size();
+    ASSIGN_OR_RETURN(elements, grow(cell, neighbours, generators));
+    if (elements.size() > sides) continue;
+    // What rounding leaves at corners cannot be cut off.
+    if (excess < kAreaTolerance)
+      return Domain{std::move(cell), std::move(neighbours), excess * area};
+    break;
   }
   return Status(
       Reason::kInvalidOption,
@@ -295,7 +341,7 @@ Su11 firstBase(Elements& elements) {
 }
 
 double reachOf(const Domain& domain) {
-  return 2 * std::atanh(std::abs(diskPoint(domain.cell.reach())));
+  return 2 * std::atanh(std::abs(diskPoint(domain.cell.reach)));
 }
 
 /// Moves the base point by a pattern of steps, ever smaller, to where the polygon reaches less far.
