@@ -354,7 +354,10 @@ Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<WideSu11>&
   ASSIGN_OR_RETURN(Domain domain, closeDomain(context, std::move(elements), genus));
   ASSIGN_OR_RETURN(domain, improveBase(context, std::move(domain), genus, polygon.base));
   polygon.base = renormalized(polygon.base);
-  for (WideElement& g : domain.neighbours) polygon.pairings.push_back({g.shape, std::move(g.word)});
+  for (WideElement& g : domain.neighbours) {
+    polygon.pairings.push_back({g.shape, std::move(g.word)});
+    polygon.wide.push_back(g.map);
+  }
   for (const Complex& corner : domain.cell.corner) polygon.corners.push_back(diskPoint(corner));
   polygon.radius = reachOf(domain);
   polygon.area_error = domain.area_error;

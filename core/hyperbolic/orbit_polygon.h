@@ -29,6 +29,7 @@ struct OrbitPolygon {
   Su11 base;
   /// The elements g with a side on the bisector of 0 and g(0), closed under inverses.
   std::vector<GroupElement> pairings;
+  std::vector<WideSu11> wide;    ///< Their maps in 113 bits, as far as the generators were known.
   std::vector<Complex> corners;  ///< Counter-clockwise, inside the disk.
   double radius = 0;             ///< The largest distance of a corner from 0.
   double separation = 0;         ///< The least distance of two points of the orbit.

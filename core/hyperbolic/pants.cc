@@ -306,37 +306,4 @@ Result<FenchelNielsenReading> fenchelNielsen(Context& context, const OrbitPolygo
   return reading;
 }
 
-Result<PantsDecomposition> pantsDecomposition(Context& context, const OrbitPolygon& polygon,
-                                              const SpectrumOptions& options) {
-  const auto wanted = static_cast<std::size_t>(3 * polygon.genus - 3);
-  ASSIGN_OR_RETURN(const LengthSpectrum shortest, systoles(context, polygon, options));
-  for (double length = 1.2 * shortest.complete_to;; length *= 1.2) {
-    ASSIGN_OR_RETURN(const LengthSpectrum spectrum,
-                     lengthSpectrum(context, polygon, length, options));
-    PantsDecomposition result;
-    std::vector<Axis> chosen;
-    for (const ClosedGeodesic& geodesic : spectrum.geodesics) {
-      if (result.curves.size() == wanted) break;
-      const std::vector<Axis> axes = axesAcross(polygon, geodesic.element);
-      if (anyCross(axes, axes) || anyCross(axes, chosen)) continue;
-      chosen.insert(chosen.end(), axes.begin(), axes.end());
-      result.curves.push_back(geodesic);
-    }
-    if (result.curves.size() == wanted) {
-      ASSIGN_OR_RETURN(FenchelNielsenReading reading,
-                       fenchelNielsen(context, polygon, result.curves));
-      result.coordinates = std::move(reading.coordinates);
-      result.seam_error = reading.seam_error;
-      return result;
-    }
-    if (spectrum.complete_to < length)
-      return Status(Reason::kNoConvergence,
-                    "only " + std::to_string(result.curves.size()) + " of " +
-                        std::to_string(wanted) +
-                        " curves of a pants decomposition are no longer than " +
-                        std::to_string(spectrum.complete_to),
-                    "allow more elements");
-  }
-}
-
 }  // namespace moduli

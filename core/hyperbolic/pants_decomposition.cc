@@ -1,0 +1,202 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/hyperbolic/cut_surface.h"
+#include "core/hyperbolic/pants.h"
+#include "core/hyperbolic/piece_search.h"
+
+namespace moduli {
+namespace {
+
+/// Lengths are compared to this, relative.
+constexpr double kLengthTolerance = 1e-9;
+/// By how much more is searched each time; the work grows like e^{length}.
+constexpr double kLonger = 0.5;
+/// As in axesAcross.
+constexpr double kPassing = 0.05;
+
+/// A conjugate of an element, in 113 bits, and how it was reached.
+struct Conjugate {
+  WideSu11 map;
+  Su11 shape;
+  int from = -1, pairing = -1;  ///< The inverse of this pairing carried that one's axis here.
+};
+
+/// All conjugates whose axes pass the polygon; as conjugatesAcross.
+std::vector<Conjugate> conjugatesOf(const OrbitPolygon& polygon, const WideSu11& map) {
+  std::vector<Conjugate> found{{map, rounded(map)}};
+  const auto known = [&found](const Su11& g) {
+    return std::any_of(found.begin(), found.end(), [&g](const Conjugate& h) {
+      return distanceUpToSign(g, h.shape) < 1e-6 * std::abs(g.a);
+    });
+  };
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (std::size_t k = 0; k < polygon.pairings.size(); ++k) {
+      const Su11& s = polygon.pairings[k].map;
+      const Su11 g = renormalized(inverse(s) * found[i].shape * s);
+      if (!meetsPolygon(polygon, axisOf(g), kPassing) || known(g)) continue;
+      const WideSu11& w = polygon.wide[k];
+      const WideSu11 exact = renormalized(inverse(w) * found[i].map * w);
+      found.push_back({exact, rounded(exact), static_cast<int>(i), static_cast<int>(k)});
+    }
+  return found;
+}
+
+/// The geodesic that moves 0 least of its conjugates, with its word.
+ClosedGeodesic geodesicOf(const OrbitPolygon& polygon, const std::vector<Conjugate>& conjugates,
+                          const std::vector<std::int32_t>& pairings) {
+  const auto best = std::min_element(
+      conjugates.begin(), conjugates.end(), [](const Conjugate& x, const Conjugate& y) {
+        return std::abs(x.shape.b) < std::abs(y.shape.b);
+      });
+  Word way;
+  const auto append = [](Word& word, const Word& letters) {
+    word.insert(word.end(), letters.begin(), letters.end());
+  };
+  std::vector<int> steps;
+  for (const Conjugate* c = &*best; c->from >= 0; c = &conjugates[c->from])
+    steps.push_back(c->pairing);
+  for (auto step = steps.rbegin(); step != steps.rend(); ++step)
+    append(way, polygon.pairings[*step].word);
+  Word word = inverseWord(way);
+  for (const std::int32_t k : pairings) append(word, polygon.pairings[k].word);
+  append(word, way);
+  return {translationLength(best->shape), best->shape, reduceWord(word)};
+}
+
+bool sameAxis(const Axis& a, const Axis& b) {
+  const double tolerance = 1e-7 * (1 + std::abs(a.time));
+  const auto near = [&](double sign) {
+    return std::abs(a.time - sign * b.time) + std::abs(a.space - sign * b.space) < tolerance;
+  };
+  return near(1) || near(-1);
+}
+
+bool isAmong(const Axis& axis, const std::vector<Axis>& axes) {
+  return std::any_of(axes.begin(), axes.end(), [&axis](const Axis& a) { return sameAxis(a, axis); });
+}
+
+/// Chooses curves, shortest first.
+class Chooser {
+ public:
+  explicit Chooser(const OrbitPolygon& polygon) : polygon_(polygon) {}
+
+  /// elements: over all simple closed geodesics longer than those seen before, up to some length,
+  /// that are disjoint from those chosen; ascending.
+  void choose(const std::vector<PieceElement>& elements);
+
+  std::vector<ClosedGeodesic> curves;
+  std::vector<std::vector<Axis>> lifts;  ///< Per curve.
+  std::vector<double> lengths() const;
+
+ private:
+  struct Seen {
+    double length = 0;
+    std::vector<Axis> axes;
+  };
+  bool isKnown(const PieceElement& element, const std::vector<Seen>& seen) const;
+
+  const OrbitPolygon& polygon_;
+};
+
+std::vector<double> Chooser::lengths() const {
+  std::vector<double> result;
+  for (const ClosedGeodesic& curve : curves) result.push_back(curve.length);
+  return result;
+}
+
+/// Whether it runs over a geodesic that was seen, or is a power of a curve.
+bool Chooser::isKnown(const PieceElement& element, const std::vector<Seen>& seen) const {
+  const Axis axis = axisOf(element.element);
+  for (auto other = seen.rbegin(); other != seen.rend(); ++other) {
+    if (other->length < element.length * (1 - 1e-6) - 1e-6) break;
+    if (isAmong(axis, other->axes)) return true;
+  }
+  return std::any_of(lifts.begin(), lifts.end(),
+                     [&axis](const std::vector<Axis>& axes) { return isAmong(axis, axes); });
+}
+
+void Chooser::choose(const std::vector<PieceElement>& elements) {
+  std::vector<Seen> seen;
+  const std::size_t wanted = 3 * static_cast<std::size_t>(polygon_.genus) - 3;
+  for (const PieceElement& element : elements) {
+    if (curves.size() == wanted) return;
+    if (isKnown(element, seen)) continue;
+    WideSu11 map;
+    for (const std::int32_t k : element.pairings) map = renormalized(map * polygon_.wide[k]);
+    const std::vector<Conjugate> conjugates = conjugatesOf(polygon_, map);
+    std::vector<Axis> axes;
+    for (const Conjugate& conjugate : conjugates) axes.push_back(axisOf(conjugate.shape));
+    seen.push_back({element.length, axes});
+    if (anyCross(axes, axes)) continue;
+    if (std::any_of(lifts.begin(), lifts.end(),
+                    [&axes](const std::vector<Axis>& chosen) { return anyCross(axes, chosen); }))
+      continue;
+    curves.push_back(geodesicOf(polygon_, conjugates, element.pairings));
+    lifts.push_back(std::move(axes));
+  }
+}
+
+/// The shortest of the pairings, an upper bound of the systole.
+double shortestPairing(const OrbitPolygon& polygon) {
+  double least = translationLength(polygon.pairings.front().map);
+  for (const GroupElement& g : polygon.pairings)
+    least = std::min(least, translationLength(g.map));
+  return least;
+}
+
+Status missingCurves(const CutSurface& cut, std::size_t found, double length) {
+  std::string pieces;
+  int missing = 0;
+  for (const SurfacePiece& piece : cut.pieces) {
+    if (piece.missing() == 0) continue;
+    missing += piece.missing();
+    pieces += (pieces.empty() ? "" : ", ") + std::to_string(piece.missing()) +
+              " in a piece of genus " + std::to_string(piece.genus) + " with " +
+              std::to_string(piece.cuffs.size()) + " cuffs";
+  }
+  return {Reason::kNoConvergence,
+          "only " + std::to_string(found) + " of " +
+              std::to_string(found + static_cast<std::size_t>(missing)) +
+              " curves of a pants decomposition are no longer than " + std::to_string(length) +
+              "; missing: " + pieces,
+          "allow more elements"};
+}
+
+}  // namespace
+
+Result<PantsDecomposition> pantsDecomposition(Context& context, const OrbitPolygon& polygon,
+                                              const SpectrumOptions& options) {
+  const std::size_t wanted = 3 * static_cast<std::size_t>(polygon.genus) - 3;
+  Chooser chooser(polygon);
+  {
+    const Context::Stage stage(context, "pants curves");
+    std::size_t left = options.most_elements;
+    double known = 0;
+    double upto = std::min(kLonger, shortestPairing(polygon) * (1 + 1e-5));
+    for (; chooser.curves.size() < wanted; upto += kLonger) {
+      ASSIGN_OR_RETURN(const CutSurface cut, cutSurface(polygon, chooser.lifts));
+      const auto disks = coverPieces(cut, chooser.lifts, chooser.lengths());
+      ASSIGN_OR_RETURN(const PieceElements found,
+                       searchPieces(context, polygon, cut, disks, known * (1 - kLengthTolerance),
+                                    upto, left));
+      if (getenv("DBG"))
+        fprintf(stderr, "upto %.3f: %zu parts %zu pieces %zu disks, %zu visited, %zu elements\n", upto,
+                cut.parts.size(), cut.pieces.size(), disks.size(), found.visited, found.elements.size());
+      if (!found.complete) return missingCurves(cut, chooser.curves.size(), known);
+      left -= found.visited;
+      chooser.choose(found.elements);
+      known = upto;
+    }
+  }
+  PantsDecomposition result;
+  result.curves = std::move(chooser.curves);
+  ASSIGN_OR_RETURN(FenchelNielsenReading reading, fenchelNielsen(context, polygon, result.curves));
+  result.coordinates = std::move(reading.coordinates);
+  result.seam_error = reading.seam_error;
+  return result;
+}
+
+}  // namespace moduli
