@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace moduli {
 
@@ -26,6 +27,14 @@ double product(const Axis& a, const Axis& b) {
   return std::real(a.space * std::conj(b.space)) - a.time * b.time;
 }
 
+bool sameAxis(const Axis& a, const Axis& b) {
+  const double tolerance = 1e-7 * (1 + std::abs(a.time));
+  const auto near = [&](double sign) {
+    return std::abs(a.time - sign * b.time) + std::abs(a.space - sign * b.space) < tolerance;
+  };
+  return near(1) || near(-1);
+}
+
 Axis imageOf(const Su11& g, const Axis& axis) {
   // g M g^-1 of the matrix M = [[i time, -i space], [i conj space, -i time]], divided by i.
   const Complex left = g.a * axis.time + g.b * std::conj(axis.space);
@@ -38,6 +47,19 @@ Point imageOf(const Su11& g, const Point& point) {
   const Complex left = g.a * point.time + g.b * std::conj(point.space);
   const Complex right = g.a * point.space + g.b * point.time;
   return {std::real(left * std::conj(g.a) + right * std::conj(g.b)), left * g.b + right * g.a};
+}
+
+Su11 frameOf(const Axis& axis) {
+  // The point (1, 0) + time (time, space) of Minkowski space, of norm 1 + time^2.
+  const double norm = std::hypot(1.0, axis.time);
+  const Complex foot = axis.time * axis.space / (norm * (1 + norm));
+  const Su11 move = translationTo(foot);
+  return move * rotation(std::arg(imageOf(inverse(move), axis).space) - std::numbers::pi / 2);
+}
+
+double alongDiameter(const Su11& g) {
+  const Complex image = 2.0 * g.a * g.b;
+  return std::asinh(image.real() / std::hypot(1.0, image.imag()));
 }
 
 Point pointAt(Complex z) {

@@ -32,9 +32,18 @@ double sideOf(const Axis& axis, const Point& point);
 /// where one lies on the left of the other and the other on its right.
 double product(const Axis& a, const Axis& b);
 
+/// Whether both are the same geodesic, directed either way, up to rounding.
+bool sameAxis(const Axis& a, const Axis& b);
+
 /// The axis carried along by an isometry.
 Axis imageOf(const Su11& g, const Axis& axis);
 Point imageOf(const Su11& g, const Point& point);
+
+/// Carries the diameter from -1 to 1 to an axis, and 0 to its point nearest to 0.
+Su11 frameOf(const Axis& axis);
+
+/// How far along the diameter from -1 to 1 the image of 0 lies, signed.
+double alongDiameter(const Su11& g);
 
 /// A point of the disk, inside it, and back.
 Point pointAt(Complex z);

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numeric>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -18,8 +16,6 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kOnCut = 1e-7;
 /// Shorter edges are corners that rounding took apart; nothing is beyond them.
 constexpr double kShortEdge = 1e-5;
-/// Where a point of an edge is looked for on its partner.
-constexpr double kPartner = 1e-5;
 /// Areas of pieces are multiples of 2 pi to this; parts that make no more are slivers.
 constexpr double kAreaTolerance = 1e-4;
 
@@ -28,10 +24,13 @@ struct Lift {
   int curve = 0;
 };
 
-/// A part while the polygon is cut; per edge whether it is on a cut.
+/// What an edge lies on: the side of the polygon, or the lift ~on.
+using Border = int;
+
+/// A part while the polygon is cut.
 struct Scrap {
   std::vector<Point> corners;
-  std::vector<int> lift;  ///< Per edge; -1: a side of the polygon.
+  std::vector<Border> on;  ///< Per edge.
 };
 
 double onCut(const Axis& axis, const Point& point) {
@@ -52,12 +51,12 @@ Scrap leftOf(const Scrap& scrap, const std::vector<double>& above, int lift) {
     const bool leaves = above[i] >= 0 && above[j] < 0;
     if (above[i] >= 0) {
       left.corners.push_back(scrap.corners[i]);
-      left.lift.push_back(leaves && above[i] == 0 ? lift : scrap.lift[i]);
+      left.on.push_back(leaves && above[i] == 0 ? ~lift : scrap.on[i]);
     }
     if (above[i] * above[j] >= 0) continue;
     const double t = above[i] / (above[i] - above[j]);
     left.corners.push_back(between(scrap.corners[i], scrap.corners[j], t));
-    left.lift.push_back(leaves ? lift : scrap.lift[i]);
+    left.on.push_back(leaves ? ~lift : scrap.on[i]);
   }
   return left;
 }
@@ -146,64 +145,85 @@ PolygonPart partOf(const Scrap& scrap, const std::vector<Lift>& lifts) {
     const Point& from = part.corners[i];
     const Point& to = part.corners[(i + 1) % n];
     PartEdge edge = edgeBetween(from, to);
-    int lift = scrap.lift[i];
+    int lift = scrap.on[i] < 0 ? ~scrap.on[i] : -1;
     if (lift < 0 && edge.length > kShortEdge) lift = liftAlong(lifts, from, to);
-    if (lift >= 0)
-      edge.cuff = 2 * lifts[lift].curve + (sideOf(lifts[lift].axis, middle) > 0 ? 0 : 1);
+    if (lift >= 0) {
+      const Axis& axis = lifts[lift].axis;
+      const bool left = sideOf(axis, middle) > 0;
+      edge.cuff = 2 * lifts[lift].curve + (left ? 0 : 1);
+      // Corners of short edges know it less well.
+      edge.line = left ? axis : Axis{-axis.time, -axis.space};
+    }
     part.edges.push_back(edge);
   }
   return part;
 }
 
-bool isSideOfPolygon(const PartEdge& edge) {
-  return edge.cuff < 0 && edge.length > kShortEdge;
-}
+/// What an edge covers of a side of the polygon, measured from the side's first corner.
+struct Span {
+  std::size_t part = 0, edge = 0;
+  double from = 0, to = 0;
+};
 
-/// The pairing on whose bisector with 0 a point of the polygon's boundary lies.
-int pairingAt(const OrbitPolygon& polygon, const Point& point) {
-  double least = std::numeric_limits<double>::infinity();
-  int best = -1;
-  for (std::size_t k = 0; k < polygon.pairings.size(); ++k) {
-    const double gap =
-        distanceCosine(imageOf(polygon.pairings[k].map, Point{}), point) - point.time;
-    if (std::abs(gap) >= least) continue;
-    least = std::abs(gap);
-    best = static_cast<int>(k);
-  }
-  return best;
-}
-
-/// How far a point is from an edge: 0 inside of it, and what it misses the line and the ends by.
-double missOf(const PartEdge& edge, const Point& point) {
-  const double along = std::atanh(sideOf(edge.across, point) / distanceCosine(edge.from, point));
-  return std::max({std::abs(sideOf(edge.line, point)), -along, along - edge.length});
-}
-
-Status findPartner(const OrbitPolygon& polygon, const std::vector<PolygonPart>& parts,
-                   const Point& middle, PartEdge& edge) {
-  edge.pairing = pairingAt(polygon, middle);
-  const Point beyond = imageOf(inverse(polygon.pairings[edge.pairing].map), middle);
-  double least = kPartner;
+/// Per side of the polygon the edges on it.
+std::vector<std::vector<Span>> spansOf(const OrbitPolygon& polygon,
+                                       const std::vector<Scrap>& scraps,
+                                       const std::vector<PolygonPart>& parts) {
+  std::vector<std::vector<Span>> spans(polygon.corners.size());
   for (std::size_t k = 0; k < parts.size(); ++k)
-    for (const PartEdge& other : parts[k].edges) {
-      if (!isSideOfPolygon(other)) continue;
-      const double miss = missOf(other, beyond);
-      if (!(miss < least)) continue;
-      least = miss;
-      edge.part = static_cast<int>(k);
+    for (std::size_t i = 0; i < parts[k].edges.size(); ++i) {
+      const PartEdge& edge = parts[k].edges[i];
+      const Border side = scraps[k].on[i];
+      if (side < 0 || edge.length < kShortEdge) continue;
+      const double start = distanceOf(pointAt(polygon.corners[side]), edge.from);
+      spans[side].push_back({k, i, start, start + edge.length});
     }
-  if (edge.part >= 0 || edge.length < 100 * kShortEdge) return {};
-  return {Reason::kResidualTooLarge, "the parts of the polygon do not fit together"};
+  return spans;
 }
 
-Status findPartners(const OrbitPolygon& polygon, std::vector<PolygonPart>& parts) {
-  for (PolygonPart& part : parts)
-    for (std::size_t i = 0; i < part.edges.size(); ++i) {
-      if (!isSideOfPolygon(part.edges[i])) continue;
-      const Point& to = part.corners[(i + 1) % part.corners.size()];
-      RETURN_IF_ERROR(
-          findPartner(polygon, parts, between(part.corners[i], to, 0.5), part.edges[i]));
+/// The side with the inverse pairing; -1 where rounding left none.
+int partnerOf(const OrbitPolygon& polygon, std::size_t side) {
+  const Su11 back = inverse(polygon.pairings[polygon.sides[side]].map);
+  for (std::size_t other = 0; other < polygon.sides.size(); ++other)
+    if (sameElement(polygon.pairings[polygon.sides[other]].map, back))
+      return static_cast<int>(other);
+  return -1;
+}
+
+double lengthOf(const OrbitPolygon& polygon, std::size_t side) {
+  return distanceOf(pointAt(polygon.corners[side]),
+                    pointAt(polygon.corners[(side + 1) % polygon.corners.size()]));
+}
+
+/// Across a cut within the polygon.
+void findPartsBeyondCuts(const std::vector<Scrap>& scraps, std::vector<PolygonPart>& parts) {
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    for (std::size_t i = 0; i < parts[k].edges.size(); ++i) {
+      if (scraps[k].on[i] >= 0) continue;
+      for (std::size_t other = 0; other < parts.size(); ++other)
+        for (std::size_t j = 0; other != k && j < parts[other].edges.size(); ++j)
+          if (scraps[other].on[j] == scraps[k].on[i])
+            parts[k].edges[i].part = static_cast<int>(other);
     }
+}
+
+/// Sides are put together backwards.
+Status findPartners(const OrbitPolygon& polygon, const std::vector<Scrap>& scraps,
+                    std::vector<PolygonPart>& parts) {
+  const auto spans = spansOf(polygon, scraps, parts);
+  for (std::size_t side = 0; side < spans.size(); ++side) {
+    const int partner = partnerOf(polygon, side);
+    for (const Span& span : spans[side]) {
+      PartEdge& edge = parts[span.part].edges[span.edge];
+      edge.pairing = polygon.sides[side];
+      const double place = lengthOf(polygon, side) - (span.from + span.to) / 2;
+      for (std::size_t k = 0; partner >= 0 && k < spans[partner].size(); ++k)
+        if (spans[partner][k].from < place && place < spans[partner][k].to)
+          edge.part = static_cast<int>(spans[partner][k].part);
+      if (edge.part < 0 && edge.cuff < 0 && edge.length > 100 * kShortEdge)
+        return {Reason::kResidualTooLarge, "the sides of the polygon do not fit together"};
+    }
+  }
   return {};
 }
 
@@ -221,7 +241,7 @@ std::vector<double> numberPieces(std::vector<PolygonPart>& parts) {
       next.pop_back();
       areas.back() += areaOf(part);
       for (const PartEdge& edge : part.edges) {
-        if (edge.part < 0 || parts[edge.part].piece >= 0) continue;
+        if (edge.cuff >= 0 || edge.part < 0 || parts[edge.part].piece >= 0) continue;
         parts[edge.part].piece = piece;
         next.push_back(static_cast<std::size_t>(edge.part));
       }
@@ -264,12 +284,14 @@ Result<CutSurface> cutSurface(const OrbitPolygon& polygon,
     for (const Axis& axis : lifts[i]) all.push_back({axis, static_cast<int>(i)});
   std::vector<Scrap> scraps(1);
   for (const Complex& corner : polygon.corners) scraps[0].corners.push_back(pointAt(corner));
-  scraps[0].lift.assign(polygon.corners.size(), -1);
+  scraps[0].on.resize(polygon.corners.size());
+  std::iota(scraps[0].on.begin(), scraps[0].on.end(), 0);
   for (std::size_t i = 0; i < all.size(); ++i)
     scraps = cutAlong(scraps, all[i].axis, static_cast<int>(i));
   CutSurface cut;
   for (const Scrap& scrap : scraps) cut.parts.push_back(partOf(scrap, all));
-  RETURN_IF_ERROR(findPartners(polygon, cut.parts));
+  RETURN_IF_ERROR(findPartners(polygon, scraps, cut.parts));
+  findPartsBeyondCuts(scraps, cut.parts);
   const std::vector<double> areas = numberPieces(cut.parts);
   std::vector<std::vector<int>> cuffs(areas.size());
   for (const PolygonPart& part : cut.parts)

@@ -19,8 +19,9 @@ struct PartEdge {
   Point from;     ///< Where it starts, counter-clockwise.
   Axis across;    ///< Through `from`, at a right angle, with the edge on its left.
   double length;  ///< Of the edge.
+  /// Beyond it lies this part of the copy `pairing` of the polygon, -1: of the polygon itself.
+  int part = -1;  ///< -1 where rounding left nothing beyond a short edge.
   int pairing = -1;
-  int part = -1;  ///< Beyond it lies this part of the copy `pairing` of the polygon; -1: nothing.
   int cuff = -1;  ///< On a cut: the side of a curve that the part is on, 2 i left and 2 i + 1 right.
 };
 

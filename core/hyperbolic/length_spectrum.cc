@@ -138,14 +138,16 @@ Result<LengthSpectrum> systoles(Context& context, const OrbitPolygon& polygon,
                                 const SpectrumOptions& options) {
   // The shortest of any elements is an upper bound, up to the rounding of their lengths.
   double length = translationLength(polygon.pairings.front().map);
-  for (const GroupElement& g : polygon.pairings) {
-    length = std::min(length, translationLength(g.map));
-    for (const GroupElement& h : polygon.pairings) {
-      const Su11 product = g.map * h.map;
-      if (displacement(product) > polygon.separation / 2)
-        length = std::min(length, translationLength(product));
+  for (const GroupElement& g : polygon.pairings) length = std::min(length, translationLength(g.map));
+  for (std::size_t i = 0; i < polygon.pairings.size(); ++i)
+    for (std::size_t k = 0; k < polygon.pairings.size(); ++k) {
+      const Su11 product = polygon.pairings[i].map * polygon.pairings[k].map;
+      if (displacement(product) < polygon.separation / 2 || translationLength(product) >= length)
+        continue;
+      // The product of far ones is a short one with the rounding of far ones.
+      const double exact = translationLength(rounded(polygon.wide[i] * polygon.wide[k]));
+      if (exact > 0) length = std::min(length, exact);
     }
-  }
   length *= 1 + 1e-5;
   ASSIGN_OR_RETURN(LengthSpectrum spectrum, lengthSpectrum(context, polygon, length, options));
   if (spectrum.complete_to < length)

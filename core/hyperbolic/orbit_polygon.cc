@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <utility>
@@ -17,6 +18,8 @@ constexpr double kAreaTolerance = 1e-6;
 constexpr double kAreaReached = 1e-10;
 /// Rounding of the generators, more than this leaves no doubt that they are another group's.
 constexpr double kAreaOfRounding = 1e-2;
+/// In Klein's model: distances of 6.
+constexpr double kFar = 1 - 1e-5;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// As GroupElement, in 113 bits: products of elements that move 0 by d lose a factor e^{d} each
@@ -42,32 +45,50 @@ WideElement productOf(const WideElement& g, const WideElement& h) {
   return elementOf(renormalized(g.map * h.map), reduceWord(word));
 }
 
+/// A corner in the middle of a collar is e^{-2 d} from the circle in Klein's model, at distances d of
+/// 8 and more, and sides there are shorter still.
+using Real = long double;
+using Klein = std::complex<Real>;
+
 /// A convex polygon in Klein's model, where geodesics are straight; the side from corner i to the
 /// next lies on the bisector of the element side[i], or on the frame where it is negative.
 struct Cell {
-  std::vector<Complex> corner{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}};
+  std::vector<Klein> corner{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}};
   std::vector<int> side{-1, -1, -1, -1};
 
-  double reach() const {
-    double square = 0;
-    for (const Complex& k : corner) square = std::max(square, std::norm(k));
+  Real reach() const {
+    Real square = 0;
+    for (const Klein& k : corner) square = std::max(square, std::norm(k));
     return std::sqrt(square);
   }
 };
 
+/// What is cut off at a corner must be thicker than this, in Klein's model: 1e-12 up to distance 6;
+/// sides in the middle of a collar of length l meet at angles of some l^2, and reach as far as
+/// log(4 / l) and more.
+Real sliverAt(const Klein& corner) {
+  const Real height = 1 - std::norm(corner);
+  return height > 2.5e-5L ? 1e-12L : std::max(1.6e-3L * height * height, 3e-19L);
+}
+
 /// Cuts off what is nearer to g(0) than to 0: Re(conj(u) k) > |w| for the image w of 0 in the
 /// direction u. Returns whether that was anything.
-bool cutOff(Cell& cell, const Su11& g, int label) {
-  const Complex image = g.b / std::conj(g.a);
-  const double height = std::abs(image);
-  if (height >= cell.reach()) return false;
-  const Complex direction = image / height;
+bool cutOff(Cell& cell, const WideElement& g, int label) {
+  const Real reach = cell.reach();
+  if (std::abs(g.shape.b) > (reach + 1e-15L) * std::abs(g.shape.a)) return false;
+  const auto narrow = [](const WideComplex& z) {
+    return Klein(static_cast<Real>(z.real()), static_cast<Real>(z.imag()));
+  };
+  const Klein image = narrow(g.map.b) / std::conj(narrow(g.map.a));
+  const Real height = std::abs(image);
+  if (height >= reach) return false;
+  const Klein direction = image / height;
   const std::size_t n = cell.corner.size();
-  std::vector<double> above(n);
+  std::vector<Real> above(n);
   bool cuts = false;
   for (std::size_t i = 0; i < n; ++i) {
     above[i] = std::real(std::conj(direction) * cell.corner[i]) - height;
-    cuts = cuts || above[i] > 1e-12;
+    cuts = cuts || above[i] > sliverAt(cell.corner[i]);
   }
   if (!cuts) return false;
   Cell rest{{}, {}};
@@ -79,7 +100,7 @@ bool cutOff(Cell& cell, const Su11& g, int label) {
       rest.side.push_back(cell.side[i]);
     }
     if (in == (above[j] <= 0)) continue;
-    const double t = above[i] / (above[i] - above[j]);
+    const Real t = above[i] / (above[i] - above[j]);
     rest.corner.push_back(cell.corner[i] + t * (cell.corner[j] - cell.corner[i]));
     rest.side.push_back(in ? label : cell.side[i]);
   }
@@ -90,17 +111,18 @@ bool cutOff(Cell& cell, const Su11& g, int label) {
 Cell cellOf(const Elements& elements) {
   Cell cell;
   for (std::size_t i = 0; i < elements.size(); ++i)
-    cutOff(cell, elements[i].shape, static_cast<int>(i));
+    cutOff(cell, elements[i], static_cast<int>(i));
   return cell;
 }
 
 bool isBounded(const Cell& cell) {
-  return cell.reach() < 1 - 1e-14;
+  return cell.reach() < 1 - 1e-14L;
 }
 
-Complex diskPoint(Complex klein) {
-  const double k = std::abs(klein);
-  return klein / (1 + std::sqrt((1 - k) * (1 + k)));
+Complex diskPoint(const Klein& klein) {
+  const Real k = std::abs(klein);
+  const Klein point = klein / (1 + std::sqrt((1 - k) * (1 + k)));
+  return {static_cast<double>(point.real()), static_cast<double>(point.imag())};
 }
 
 /// Precondition: bounded.
@@ -114,18 +136,20 @@ double areaOf(const Cell& cell) {
   return area;
 }
 
-/// The elements of the sides, and their inverses.
-Elements neighboursOf(const Cell& cell, const Elements& elements) {
+/// The elements of the sides, and their inverses. The cell's sides are renumbered to them.
+Elements neighboursOf(Cell& cell, const Elements& elements) {
   Elements result;
   const auto add = [&result](WideElement g) {
-    for (const WideElement& h : result)
-      if (distanceUpToSign(g.shape, h.shape) < kSamePoint * std::abs(g.shape.a)) return;
+    for (std::size_t k = 0; k < result.size(); ++k)
+      if (sameElement(g.shape, result[k].shape)) return static_cast<int>(k);
     result.push_back(std::move(g));
+    return static_cast<int>(result.size()) - 1;
   };
-  for (const int side : cell.side) {
+  for (int& side : cell.side) {
     if (side < 0) continue;
-    add(elements[side]);
-    add(inverseOf(elements[side]));
+    const WideElement& g = elements[side];
+    side = add(g);
+    add(inverseOf(g));
   }
   return result;
 }
@@ -155,29 +179,95 @@ Status needTranslation(const Su11& g) {
                                       ", but a closed surface's elements are translations"};
 }
 
-/// The neighbours, those of their products whose bisectors come nearer than `reach` (in Klein's
-/// model), and what remains of the generators.
-Result<Elements> grow(const Elements& neighbours, const Elements& generators, double reach) {
-  Elements result = neighbours;
-  const auto add = [&result](WideElement g) -> Status {
-    RETURN_IF_ERROR(needTranslation(g.shape));
-    if (std::abs(g.shape.b) > kSamePoint) result.push_back(std::move(g));
-    return {};
-  };
-  for (const WideElement& generator : generators) {
-    WideElement rest = descend(generator, neighbours);
-    RETURN_IF_ERROR(add(inverseOf(rest)));
-    RETURN_IF_ERROR(add(std::move(rest)));
+/// A translation much shorter than the distances of the polygon: it takes hundreds of steps to
+/// where its axis passes another corner.
+constexpr double kShort = 0.25;
+
+/// Multiplies elements from the left by powers of a short one.
+class Turner {
+ public:
+  explicit Turner(const WideElement& c)
+      : short_(c), frame_(frameOf(axisOf(c.shape))), length_(translationLength(c.shape)) {}
+
+  /// The power of it that brings g(0) nearest to 0: its images lie beside the axis.
+  int turnsOf(const Su11& g) const {
+    return static_cast<int>(
+        std::lround((alongDiameter(inverse(frame_)) - alongDiameter(inverse(frame_) * g)) / length_));
   }
-  for (const WideElement& g : neighbours) {
-    for (const WideElement& h : neighbours) {
-      const Su11 shape = g.shape * h.shape;
-      if (std::abs(shape.b) > reach * std::abs(shape.a)) continue;
-      RETURN_IF_ERROR(add(productOf(g, h)));
+  Su11 turned(const Su11& g, int turns) const {
+    return frame_ * translation(turns * length_) * inverse(frame_) * g;
+  }
+  WideElement turned(WideElement g, int turns) const {
+    WideElement power = turns > 0 ? short_ : inverseOf(short_);
+    for (turns = std::abs(turns); turns > 0; turns /= 2) {
+      if (turns % 2 != 0) g = productOf(power, g);
+      if (turns > 1) power = productOf(power, power);
     }
+    return g;
   }
-  return result;
-}
+
+ private:
+  const WideElement& short_;
+  Su11 frame_;
+  double length_;
+};
+
+/// The neighbours, those of their products whose bisectors come nearer than `reach` (in Klein's
+/// model), what remains of the generators, and what powers of short neighbours make of all these.
+class Growth {
+ public:
+  Growth(const Elements& neighbours, double reach) : neighbours_(neighbours), reach_(reach) {
+    for (const WideElement& g : neighbours)
+      if (translationLength(g.shape) < kShort) turners_.emplace_back(g);
+  }
+
+  Result<Elements> run(const Elements& generators) {
+    for (const WideElement& g : neighbours_) {
+      result_.push_back(g);
+      RETURN_IF_ERROR(addTurned(g.shape, [&g] { return g; }));
+    }
+    for (const WideElement& generator : generators) {
+      const WideElement rest = descend(generator, neighbours_);
+      for (const WideElement& g : {rest, inverseOf(rest)}) {
+        RETURN_IF_ERROR(add(g));
+        RETURN_IF_ERROR(addTurned(g.shape, [&g] { return g; }));
+      }
+    }
+    for (const WideElement& g : neighbours_) {
+      for (const WideElement& h : neighbours_) {
+        const Su11 shape = g.shape * h.shape;
+        const auto product = [&] { return productOf(g, h); };
+        if (comesNear(shape)) RETURN_IF_ERROR(add(product()));
+        RETURN_IF_ERROR(addTurned(shape, product));
+      }
+    }
+    return std::move(result_);
+  }
+
+ private:
+  bool comesNear(const Su11& g) const { return std::abs(g.b) <= reach_ * std::abs(g.a); }
+
+  Status add(WideElement g) {
+    RETURN_IF_ERROR(needTranslation(g.shape));
+    if (std::abs(g.shape.b) > kSamePoint) result_.push_back(std::move(g));
+    return {};
+  }
+
+  template <typename Make>
+  Status addTurned(const Su11& shape, const Make& make) {
+    for (const Turner& turner : turners_) {
+      const int turns = turner.turnsOf(shape);
+      if (std::abs(turns) > 1 && comesNear(turner.turned(shape, turns)))
+        RETURN_IF_ERROR(add(turner.turned(make(), turns)));
+    }
+    return {};
+  }
+
+  const Elements& neighbours_;
+  double reach_;
+  std::vector<Turner> turners_;
+  Elements result_;
+};
 
 struct Domain {
   Cell cell;
@@ -207,15 +297,23 @@ Result<Domain> closeDomain(Context& context, Elements elements, int genus) {
     const double excess = isBounded(cell) ? areaOf(cell) / area - 1 : kUnbounded;
     const bool stays = excess > last / 2;
     last = excess;
-    if (std::abs(excess) < kAreaTolerance && (excess < kAreaReached || stays))
+    const bool closed = std::abs(excess) < kAreaTolerance;
+    const auto domain = [&] {
       return Domain{std::move(cell), std::move(neighbours), std::abs(excess) * area};
-    if (excess < 0) return tooSmall(excess, genus);
-    ASSIGN_OR_RETURN(elements, grow(neighbours, generators, cell.reach() * (1 + 1e-9)));
+    };
+    // Whole sides in the middle of a collar are smaller than the rounding of the area.
+    const bool far = cell.reach() > kFar;
+    if (closed && !far && (excess < kAreaReached || stays)) return domain();
+    if (excess < 0 && !closed) return tooSmall(excess, genus);
+    const double reach = static_cast<double>(cell.reach()) * (1 + 1e-9);
+    ASSIGN_OR_RETURN(elements, Growth(neighbours, reach).run(generators));
     const bool cuts = std::any_of(elements.begin(), elements.end(), [&cell](const WideElement& g) {
       Cell copy = cell;
-      return cutOff(copy, g.shape, 0);
+      return cutOff(copy, g, 0);
     });
-    if (!cuts) break;
+    if (cuts && round < 99) continue;
+    if (closed) return domain();
+    break;
   }
   return Status(
       Reason::kInvalidOption,
@@ -358,7 +456,8 @@ Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<WideSu11>&
     polygon.pairings.push_back({g.shape, std::move(g.word)});
     polygon.wide.push_back(g.map);
   }
-  for (const Complex& corner : domain.cell.corner) polygon.corners.push_back(diskPoint(corner));
+  polygon.sides = domain.cell.side;
+  for (const Klein& corner : domain.cell.corner) polygon.corners.push_back(diskPoint(corner));
   polygon.radius = reachOf(domain);
   polygon.area_error = domain.area_error;
   polygon.separation = std::numeric_limits<double>::infinity();

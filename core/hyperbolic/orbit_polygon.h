@@ -31,6 +31,7 @@ struct OrbitPolygon {
   std::vector<GroupElement> pairings;
   std::vector<WideSu11> wide;    ///< Their maps in 113 bits, as far as the generators were known.
   std::vector<Complex> corners;  ///< Counter-clockwise, inside the disk.
+  std::vector<int> sides;        ///< Per corner: the pairing of the side from it to the next.
   double radius = 0;             ///< The largest distance of a corner from 0.
   double separation = 0;         ///< The least distance of two points of the orbit.
   double area_error = 0;         ///< |area - 4 pi (genus - 1)| as computed.

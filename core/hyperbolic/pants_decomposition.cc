@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/hyperbolic/cut_surface.h"
+#include "core/hyperbolic/lifts.h"
 #include "core/hyperbolic/pants.h"
 #include "core/hyperbolic/piece_search.h"
 
@@ -12,43 +13,15 @@ namespace {
 
 /// Lengths are compared to this, relative.
 constexpr double kLengthTolerance = 1e-9;
+/// An axis that touches the polygon may miss it by rounding.
+constexpr double kTouching = 1e-6;
 /// By how much more is searched each time; the work grows like e^{length}.
 constexpr double kLonger = 0.5;
-/// As in axesAcross.
-constexpr double kPassing = 0.05;
-
-/// A conjugate of an element, in 113 bits, and how it was reached.
-struct Conjugate {
-  WideSu11 map;
-  Su11 shape;
-  int from = -1, pairing = -1;  ///< The inverse of this pairing carried that one's axis here.
-};
-
-/// All conjugates whose axes pass the polygon; as conjugatesAcross.
-std::vector<Conjugate> conjugatesOf(const OrbitPolygon& polygon, const WideSu11& map) {
-  std::vector<Conjugate> found{{map, rounded(map)}};
-  const auto known = [&found](const Su11& g) {
-    return std::any_of(found.begin(), found.end(), [&g](const Conjugate& h) {
-      return distanceUpToSign(g, h.shape) < 1e-6 * std::abs(g.a);
-    });
-  };
-  for (std::size_t i = 0; i < found.size(); ++i)
-    for (std::size_t k = 0; k < polygon.pairings.size(); ++k) {
-      const Su11& s = polygon.pairings[k].map;
-      const Su11 g = renormalized(inverse(s) * found[i].shape * s);
-      if (!meetsPolygon(polygon, axisOf(g), kPassing) || known(g)) continue;
-      const WideSu11& w = polygon.wide[k];
-      const WideSu11 exact = renormalized(inverse(w) * found[i].map * w);
-      found.push_back({exact, rounded(exact), static_cast<int>(i), static_cast<int>(k)});
-    }
-  return found;
-}
-
 /// The geodesic that moves 0 least of its conjugates, with its word.
-ClosedGeodesic geodesicOf(const OrbitPolygon& polygon, const std::vector<Conjugate>& conjugates,
+ClosedGeodesic geodesicOf(const OrbitPolygon& polygon, const std::vector<Lift>& conjugates,
                           const std::vector<std::int32_t>& pairings) {
   const auto best = std::min_element(
-      conjugates.begin(), conjugates.end(), [](const Conjugate& x, const Conjugate& y) {
+      conjugates.begin(), conjugates.end(), [](const Lift& x, const Lift& y) {
         return std::abs(x.shape.b) < std::abs(y.shape.b);
       });
   Word way;
@@ -56,7 +29,7 @@ ClosedGeodesic geodesicOf(const OrbitPolygon& polygon, const std::vector<Conjuga
     word.insert(word.end(), letters.begin(), letters.end());
   };
   std::vector<int> steps;
-  for (const Conjugate* c = &*best; c->from >= 0; c = &conjugates[c->from])
+  for (const Lift* c = &*best; c->from >= 0; c = &conjugates[c->from])
     steps.push_back(c->pairing);
   for (auto step = steps.rbegin(); step != steps.rend(); ++step)
     append(way, polygon.pairings[*step].word);
@@ -66,16 +39,33 @@ ClosedGeodesic geodesicOf(const OrbitPolygon& polygon, const std::vector<Conjuga
   return {translationLength(best->shape), best->shape, reduceWord(word)};
 }
 
-bool sameAxis(const Axis& a, const Axis& b) {
-  const double tolerance = 1e-7 * (1 + std::abs(a.time));
-  const auto near = [&](double sign) {
-    return std::abs(a.time - sign * b.time) + std::abs(a.space - sign * b.space) < tolerance;
-  };
-  return near(1) || near(-1);
-}
-
 bool isAmong(const Axis& axis, const std::vector<Axis>& axes) {
   return std::any_of(axes.begin(), axes.end(), [&axis](const Axis& a) { return sameAxis(a, axis); });
+}
+
+/// An element over a closed geodesic that may be chosen.
+struct Candidate {
+  const std::vector<std::int32_t>* pairings = nullptr;
+  WideSu11 map;
+  double length = 0;
+  Axis axis;
+};
+
+/// Those whose axes pass the polygon, ascending by length.
+std::vector<Candidate> candidatesOf(const OrbitPolygon& polygon,
+                                    const std::vector<std::vector<std::int32_t>>& elements) {
+  std::vector<Candidate> result;
+  for (const std::vector<std::int32_t>& pairings : elements) {
+    const WideSu11 map = productOf(polygon, pairings);
+    const Su11 shape = rounded(map);
+    const Axis axis = axisOf(shape);
+    if (!meetsPolygon(polygon, axis, kTouching)) continue;
+    result.push_back({&pairings, map, translationLength(shape), axis});
+  }
+  std::stable_sort(result.begin(), result.end(), [](const Candidate& x, const Candidate& y) {
+    return x.length < y.length;
+  });
+  return result;
 }
 
 /// Chooses curves, shortest first.
@@ -84,8 +74,8 @@ class Chooser {
   explicit Chooser(const OrbitPolygon& polygon) : polygon_(polygon) {}
 
   /// elements: over all simple closed geodesics longer than those seen before, up to some length,
-  /// that are disjoint from those chosen; ascending.
-  void choose(const std::vector<PieceElement>& elements);
+  /// that are disjoint from those chosen, by their pairings.
+  void choose(const std::vector<std::vector<std::int32_t>>& elements);
 
   std::vector<ClosedGeodesic> curves;
   std::vector<std::vector<Axis>> lifts;  ///< Per curve.
@@ -96,7 +86,7 @@ class Chooser {
     double length = 0;
     std::vector<Axis> axes;
   };
-  bool isKnown(const PieceElement& element, const std::vector<Seen>& seen) const;
+  bool isKnown(const Candidate& candidate, const std::vector<Seen>& seen) const;
 
   const OrbitPolygon& polygon_;
 };
@@ -108,33 +98,31 @@ std::vector<double> Chooser::lengths() const {
 }
 
 /// Whether it runs over a geodesic that was seen, or is a power of a curve.
-bool Chooser::isKnown(const PieceElement& element, const std::vector<Seen>& seen) const {
-  const Axis axis = axisOf(element.element);
+bool Chooser::isKnown(const Candidate& candidate, const std::vector<Seen>& seen) const {
   for (auto other = seen.rbegin(); other != seen.rend(); ++other) {
-    if (other->length < element.length * (1 - 1e-6) - 1e-6) break;
-    if (isAmong(axis, other->axes)) return true;
+    if (other->length < candidate.length * (1 - 1e-6)) break;
+    if (isAmong(candidate.axis, other->axes)) return true;
   }
-  return std::any_of(lifts.begin(), lifts.end(),
-                     [&axis](const std::vector<Axis>& axes) { return isAmong(axis, axes); });
+  return std::any_of(lifts.begin(), lifts.end(), [&candidate](const std::vector<Axis>& axes) {
+    return isAmong(candidate.axis, axes);
+  });
 }
 
-void Chooser::choose(const std::vector<PieceElement>& elements) {
+void Chooser::choose(const std::vector<std::vector<std::int32_t>>& elements) {
   std::vector<Seen> seen;
   const std::size_t wanted = 3 * static_cast<std::size_t>(polygon_.genus) - 3;
-  for (const PieceElement& element : elements) {
+  for (const Candidate& candidate : candidatesOf(polygon_, elements)) {
     if (curves.size() == wanted) return;
-    if (isKnown(element, seen)) continue;
-    WideSu11 map;
-    for (const std::int32_t k : element.pairings) map = renormalized(map * polygon_.wide[k]);
-    const std::vector<Conjugate> conjugates = conjugatesOf(polygon_, map);
+    if (isKnown(candidate, seen)) continue;
+    const std::vector<Lift> conjugates = liftsAcross(polygon_, candidate.map);
     std::vector<Axis> axes;
-    for (const Conjugate& conjugate : conjugates) axes.push_back(axisOf(conjugate.shape));
-    seen.push_back({element.length, axes});
+    for (const Lift& lift : conjugates) axes.push_back(lift.axis());
+    seen.push_back({candidate.length, axes});
     if (anyCross(axes, axes)) continue;
     if (std::any_of(lifts.begin(), lifts.end(),
                     [&axes](const std::vector<Axis>& chosen) { return anyCross(axes, chosen); }))
       continue;
-    curves.push_back(geodesicOf(polygon_, conjugates, element.pairings));
+    curves.push_back(geodesicOf(polygon_, conjugates, *candidate.pairings));
     lifts.push_back(std::move(axes));
   }
 }

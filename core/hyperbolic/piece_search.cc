@@ -5,7 +5,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "core/hyperbolic/orbit_search.h"
+#include "core/hyperbolic/polygon_copies.h"
 
 namespace moduli {
 namespace {
@@ -103,77 +103,65 @@ class DiskSearch {
  public:
   DiskSearch(const OrbitPolygon& polygon, const CutSurface& cut, const SearchDisk& disk,
              double above, double upto)
-      : polygon_(polygon),
-        cut_(cut),
+      : cut_(cut),
         disk_(disk),
         move_(moveTo(disk.centre)),
         above_(above),
         upto_(upto),
         sine_(std::cosh(disk.radius) * std::sinh(upto / 2) * (1 + kTouching)),
         cosine_((1 + 2 * sine_ * sine_) * (1 + kTouching)),
-        known_(polygon.separation) {}
+        copies_(polygon, inverse(move_)) {}
 
   /// Looks at no more than `most` parts; false: these did not suffice.
-  Result<bool> run(Context& context, std::size_t most, std::vector<PieceElement>& found);
+  Result<bool> run(Context& context, std::size_t most, std::vector<std::vector<std::int32_t>>& found);
   std::size_t visited() const { return steps_.size(); }
 
  private:
-  void enter(const Su11& copy, const Step& step);
-  void note(std::int32_t i, std::vector<PieceElement>& found) const;
+  void enter(const Step& step);
+  void note(std::int32_t i, std::vector<std::vector<std::int32_t>>& found) const;
 
-  const OrbitPolygon& polygon_;
   const CutSurface& cut_;
   const SearchDisk& disk_;
   const Su11 move_;
   double above_, upto_;
   double sine_;    ///< sinh of half of how far the point may be moved.
   double cosine_;  ///< cosh of all of it.
-  OrbitIndex known_;
-  std::vector<Su11> copies_;  ///< As seen from the point: move^-1 g.
+  PolygonCopies copies_;  ///< As seen from the point: move^-1 g.
   std::vector<Step> steps_;
   std::unordered_set<std::int64_t> entered_;
 };
 
-void DiskSearch::enter(const Su11& copy, const Step& step) {
-  std::int32_t number = known_.find(copy);
-  if (number < 0) {
-    number = static_cast<std::int32_t>(copies_.size());
-    known_.enter(copy, number);
-    copies_.push_back(renormalized(copy));
-  }
+void DiskSearch::enter(const Step& step) {
   const auto parts = static_cast<std::int64_t>(cut_.parts.size());
-  if (!entered_.insert(number * parts + step.part).second) return;
-  steps_.push_back({step.from, step.pairing, number, step.part});
+  if (entered_.insert(step.copy * parts + step.part).second) steps_.push_back(step);
 }
 
-void DiskSearch::note(std::int32_t i, std::vector<PieceElement>& found) const {
+void DiskSearch::note(std::int32_t i, std::vector<std::vector<std::int32_t>>& found) const {
   const Step& step = steps_[i];
   if (step.part != disk_.part || step.copy == 0) return;
-  const Su11 seen = copies_[step.copy] * move_;
+  const Su11 seen = copies_.map(step.copy) * move_;
   if (std::abs(seen.b) > sine_) return;
   const double length = translationLength(seen);
   if (length <= above_ || length > upto_) return;
   if (std::abs(axisOf(seen).time) > std::sinh(disk_.radius) * (1 + kTouching) + kTouching) return;
-  const Su11 element = renormalized(move_ * copies_[step.copy]);
-  if (!meetsPolygon(polygon_, axisOf(element), kTouching)) return;
-  PieceElement result{length, element, {}};
-  for (std::int32_t k = i; k > 0; k = steps_[k].from) result.pairings.push_back(steps_[k].pairing);
-  std::reverse(result.pairings.begin(), result.pairings.end());
-  found.push_back(std::move(result));
+  std::vector<std::int32_t> pairings;
+  for (std::int32_t k = i; k > 0; k = steps_[k].from) pairings.push_back(steps_[k].pairing);
+  std::reverse(pairings.begin(), pairings.end());
+  found.push_back(std::move(pairings));
 }
 
-Result<bool> DiskSearch::run(Context& context, std::size_t most, std::vector<PieceElement>& found) {
-  enter(inverse(move_), {0, 0, 0, disk_.part});
+Result<bool> DiskSearch::run(Context& context, std::size_t most, std::vector<std::vector<std::int32_t>>& found) {
+  enter({0, 0, 0, disk_.part});
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     if (i % 1024 == 0) RETURN_IF_ERROR(context.check());
     if (steps_.size() > most) return false;
     note(static_cast<std::int32_t>(i), found);
-    const Su11 copy = copies_[steps_[i].copy];
-    const Point point = imageOf(inverse(copy), Point{});
-    for (const PartEdge& edge : cut_.parts[steps_[i].part].edges)
-      if (edge.part >= 0 && distanceCosine(edge, point) <= cosine_)
-        enter(copy * polygon_.pairings[edge.pairing].map,
-              {static_cast<std::int32_t>(i), edge.pairing, 0, edge.part});
+    const Step step = steps_[i];
+    const Point point = imageOf(inverse(copies_.map(step.copy)), Point{});
+    for (const PartEdge& edge : cut_.parts[step.part].edges)
+      if (edge.cuff < 0 && edge.part >= 0 && distanceCosine(edge, point) <= cosine_)
+        enter({static_cast<std::int32_t>(i), edge.pairing, copies_.beyond(step.copy, edge.pairing),
+               edge.part});
   }
   return true;
 }
@@ -207,8 +195,6 @@ Result<PieceElements> searchPieces(Context& context, const OrbitPolygon& polygon
     result.visited += search.visited();
     if (!complete || result.visited > most) return result;
   }
-  std::sort(result.elements.begin(), result.elements.end(),
-            [](const PieceElement& x, const PieceElement& y) { return x.length < y.length; });
   result.complete = true;
   return result;
 }

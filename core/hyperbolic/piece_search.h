@@ -25,15 +25,9 @@ std::vector<SearchDisk> coverPieces(const CutSurface& cut,
                                     const std::vector<std::vector<Axis>>& lifts,
                                     const std::vector<double>& lengths);
 
-/// An element over a closed geodesic.
-struct PieceElement {
-  double length = 0;  ///< As computed in doubles.
-  Su11 element;       ///< Its axis passes the polygon.
-  std::vector<std::int32_t> pairings;  ///< Of which it is the product.
-};
-
 struct PieceElements {
-  std::vector<PieceElement> elements;  ///< Ascending by length.
+  /// Elements over closed geodesics, by the pairings that they are the products of.
+  std::vector<std::vector<std::int32_t>> elements;
   std::size_t visited = 0;             ///< Parts of copies of the polygon that were looked at.
   bool complete = false;               ///< Whether `most` of them sufficed.
 };
