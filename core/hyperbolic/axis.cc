@@ -19,7 +19,7 @@ double sideOf(const Axis& axis, Complex point) {
   return (across - axis.time * (1 + radius * radius)) / ((1 - radius) * (1 + radius));
 }
 
-double sideOf(const Axis& axis, const Point& point) {
+double sideOfPoint(const Axis& axis, const Point& point) {
   return std::real(std::conj(axis.space) * point.space) - axis.time * point.time;
 }
 

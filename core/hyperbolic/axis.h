@@ -26,7 +26,7 @@ Axis axisOf(const Su11& g);
 
 /// sinh of the distance of a point of the disk from the axis, positive on its left.
 double sideOf(const Axis& axis, Complex point);
-double sideOf(const Axis& axis, const Point& point);
+double sideOfPoint(const Axis& axis, const Point& point);
 
 /// The cosine of the angle between axes that cross; otherwise +-cosh of their distance, positive
 /// where one lies on the left of the other and the other on its right.

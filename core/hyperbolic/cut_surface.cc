@@ -16,6 +16,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kOnCut = 1e-7;
 /// Shorter edges are corners that rounding took apart; nothing is beyond them.
 constexpr double kShortEdge = 1e-5;
+/// The ends of cuts that sides of the polygon meet at small angles are on them or not by rounding.
+constexpr double kWholeCut = 1e-3;
 /// Areas of pieces are multiples of 2 pi to this; parts that make no more are slivers.
 constexpr double kAreaTolerance = 1e-4;
 
@@ -34,7 +36,7 @@ struct Scrap {
 };
 
 double onCut(const Axis& axis, const Point& point) {
-  const double side = sideOf(axis, point);
+  const double side = sideOfPoint(axis, point);
   return std::abs(side) < kOnCut ? 0 : side;
 }
 
@@ -131,8 +133,8 @@ double areaOf(const PolygonPart& part) {
 /// The lift that an edge runs along, where one does.
 int liftAlong(const std::vector<Lift>& lifts, const Point& from, const Point& to) {
   for (std::size_t i = 0; i < lifts.size(); ++i)
-    if (std::abs(sideOf(lifts[i].axis, from)) < 2 * kOnCut &&
-        std::abs(sideOf(lifts[i].axis, to)) < 2 * kOnCut)
+    if (std::abs(sideOfPoint(lifts[i].axis, from)) < 2 * kOnCut &&
+        std::abs(sideOfPoint(lifts[i].axis, to)) < 2 * kOnCut)
       return static_cast<int>(i);
   return -1;
 }
@@ -149,7 +151,7 @@ PolygonPart partOf(const Scrap& scrap, const std::vector<Lift>& lifts) {
     if (lift < 0 && edge.length > kShortEdge) lift = liftAlong(lifts, from, to);
     if (lift >= 0) {
       const Axis& axis = lifts[lift].axis;
-      const bool left = sideOf(axis, middle) > 0;
+      const bool left = sideOfPoint(axis, middle) > 0;
       edge.cuff = 2 * lifts[lift].curve + (left ? 0 : 1);
       // Corners of short edges know it less well.
       edge.line = left ? axis : Axis{-axis.time, -axis.space};
@@ -254,6 +256,20 @@ Status misfit(const std::string& what) {
   return {Reason::kResidualTooLarge, "the surface is not cut into surfaces: " + what};
 }
 
+/// Fails unless the cuts along both sides of every curve are as long as it is: where an axis is
+/// missing, one piece may hang together across the curve, and nothing else shows it.
+Status needWholeCuts(const std::vector<PolygonPart>& parts, const std::vector<double>& lengths) {
+  std::vector<double> sums(2 * lengths.size(), 0);
+  for (const PolygonPart& part : parts)
+    for (const PartEdge& edge : part.edges)
+      if (edge.cuff >= 0 && part.piece >= 0) sums[edge.cuff] += edge.length;
+  for (std::size_t side = 0; side < sums.size(); ++side)
+    if (std::abs(sums[side] - lengths[side / 2]) > kWholeCut * (1 + lengths[side / 2]))
+      return misfit("a curve of length " + std::to_string(lengths[side / 2]) + " is cut along " +
+                    std::to_string(sums[side]));
+  return {};
+}
+
 /// The topology of a piece of this area. chi: 2 - 2 genus - cuffs, -area / 2 pi.
 Result<SurfacePiece> pieceOf(double area, std::vector<int> cuffs) {
   std::sort(cuffs.begin(), cuffs.end());
@@ -270,15 +286,15 @@ Result<SurfacePiece> pieceOf(double area, std::vector<int> cuffs) {
 
 double distanceCosine(const PartEdge& edge, const Point& point) {
   const double start = distanceCosine(edge.from, point);
-  const double along = sideOf(edge.across, point) / start;
+  const double along = sideOfPoint(edge.across, point) / start;
   if (along <= 0) return start;
   const double beyond = edge.length - std::atanh(std::min(along, 1 - 1e-16));
-  const double line = std::hypot(1.0, sideOf(edge.line, point));
+  const double line = std::hypot(1.0, sideOfPoint(edge.line, point));
   return beyond >= 0 ? line : line * std::cosh(beyond);
 }
 
-Result<CutSurface> cutSurface(const OrbitPolygon& polygon,
-                              const std::vector<std::vector<Axis>>& lifts) {
+Result<CutSurface> cutSurface(const OrbitPolygon& polygon, const Cuts& cuts) {
+  const std::vector<std::vector<Axis>>& lifts = cuts.lifts;
   std::vector<Lift> all;
   for (std::size_t i = 0; i < lifts.size(); ++i)
     for (const Axis& axis : lifts[i]) all.push_back({axis, static_cast<int>(i)});
@@ -297,6 +313,7 @@ Result<CutSurface> cutSurface(const OrbitPolygon& polygon,
   for (const PolygonPart& part : cut.parts)
     for (const PartEdge& edge : part.edges)
       if (edge.cuff >= 0) cuffs[part.piece].push_back(edge.cuff);
+  RETURN_IF_ERROR(needWholeCuts(cut.parts, cuts.lengths));
   std::vector<int> number(areas.size(), -1);
   std::vector<bool> seen(2 * lifts.size(), false);
   int missing = 0;

@@ -9,7 +9,7 @@
 /// A closed hyperbolic surface cut along disjoint simple closed geodesics: the pieces, and what
 /// parts of its polygon they consist of.
 ///
-///   ASSIGN_OR_RETURN(const CutSurface cut, cutSurface(polygon, lifts));
+///   ASSIGN_OR_RETURN(const CutSurface cut, cutSurface(polygon, cuts));
 ///   cut.pieces[0].missing();  // how many more curves would make pants of it
 namespace moduli {
 
@@ -22,7 +22,8 @@ struct PartEdge {
   /// Beyond it lies this part of the copy `pairing` of the polygon, -1: of the polygon itself.
   int part = -1;  ///< -1 where rounding left nothing beyond a short edge.
   int pairing = -1;
-  int cuff = -1;  ///< On a cut: the side of a curve that the part is on, 2 i left and 2 i + 1 right.
+  int cuff =
+      -1;  ///< On a cut: the side of a curve that the part is on, 2 i left and 2 i + 1 right.
 };
 
 /// A convex part of the polygon that no cut passes.
@@ -45,12 +46,17 @@ struct CutSurface {
   std::vector<SurfacePiece> pieces;
 };
 
-/// lifts: per curve the axes over it that pass the polygon, directed as the curve (axesAcross); the
-/// curves are simple and disjoint. The topology of every piece follows from its area and its cuffs,
-/// and must fit: fails with kResidualTooLarge where rounding keeps it from that.
-/// O(n^2) for n parts.
-Result<CutSurface> cutSurface(const OrbitPolygon& polygon,
-                              const std::vector<std::vector<Axis>>& lifts);
+/// Curves to cut along: simple closed geodesics, disjoint.
+struct Cuts {
+  std::vector<std::vector<Axis>> lifts;  ///< Per curve the axes over it that pass the polygon,
+                                         ///< directed as the curve (axesAcross).
+  std::vector<double> lengths;           ///< Per curve.
+};
+
+/// The topology of every piece follows from its area and its cuffs, and must fit, and the cuts be
+/// as long as the curves: fails with kResidualTooLarge where rounding keeps them from that. O(n^2)
+/// for n parts.
+Result<CutSurface> cutSurface(const OrbitPolygon& polygon, const Cuts& cuts);
 
 /// The hyperbolic cosine of the distance of a point from an edge.
 double distanceCosine(const PartEdge& edge, const Point& point);

@@ -6,7 +6,6 @@
 namespace moduli {
 namespace {
 
-constexpr double kPassing = 0.05;
 /// What doubles make of it is told from this on; elements shorter than kShort are not looked at in
 /// doubles.
 constexpr double kRough = 2;
@@ -41,7 +40,7 @@ WideSu11 productOf(const OrbitPolygon& polygon, const std::vector<std::int32_t>&
   return product;
 }
 
-std::vector<Lift> liftsAcross(const OrbitPolygon& polygon, const WideSu11& element) {
+std::vector<Lift> liftsAcross(const OrbitPolygon& polygon, const WideSu11& element, double slack) {
   std::vector<Lift> found{{element, rounded(element)}};
   const bool is_short = translationLength(found[0].shape) < kShort;
   const auto known = [&found](const Su11& g) {
@@ -53,12 +52,12 @@ std::vector<Lift> liftsAcross(const OrbitPolygon& polygon, const WideSu11& eleme
       const Su11& s = polygon.pairings[k].map;
       if (!is_short) {
         const Su11 rough = renormalized(inverse(s) * found[i].shape * s);
-        if (!meetsPolygon(polygon, axisOf(rough), kRough) || known(rough)) continue;
+        if (!meetsPolygon(polygon, axisOf(rough), kRough + slack) || known(rough)) continue;
       }
       const WideSu11& w = polygon.wide[k];
       const WideSu11 exact = renormalized(inverse(w) * found[i].map * w);
       const Su11 g = rounded(exact);
-      if (!meetsPolygon(polygon, axisOf(g), kPassing) || known(g)) continue;
+      if (!meetsPolygon(polygon, axisOf(g), slack) || known(g)) continue;
       found.push_back({exact, g, static_cast<int>(i), static_cast<int>(k)});
     }
   return found;

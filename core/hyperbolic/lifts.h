@@ -28,8 +28,9 @@ std::vector<std::int32_t> pairingsOf(const OrbitPolygon& polygon, const Su11& el
 /// The product of pairings.
 WideSu11 productOf(const OrbitPolygon& polygon, const std::vector<std::int32_t>& pairings);
 
-/// The element and its conjugates whose axes pass the polygon at a sinh of distance of at most 0.05.
-/// element: with an axis that does. O(n^2 + n p) for n of them and p pairings.
-std::vector<Lift> liftsAcross(const OrbitPolygon& polygon, const WideSu11& element);
+/// The element and its conjugates whose axes pass the polygon at a sinh of distance of at most
+/// `slack`. element: with an axis that does. O(n^2 + n p) for n of them and p pairings.
+std::vector<Lift> liftsAcross(const OrbitPolygon& polygon, const WideSu11& element,
+                              double slack = 0.05);
 
 }  // namespace moduli

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "core/base/text.h"
+
 namespace moduli {
 namespace {
 
@@ -20,6 +22,8 @@ constexpr double kAreaReached = 1e-10;
 constexpr double kAreaOfRounding = 1e-2;
 /// In Klein's model: distances of 6.
 constexpr double kFar = 1 - 1e-5;
+/// Corners are right to 1e-16 e^{2 r}, and axes through them must be told apart.
+constexpr double kFarthest = 10.5;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// As GroupElement, in 113 bits: products of elements that move 0 by d lose a factor e^{d} each
@@ -45,21 +49,29 @@ WideElement productOf(const WideElement& g, const WideElement& h) {
   return elementOf(renormalized(g.map * h.map), reduceWord(word));
 }
 
-/// A corner in the middle of a collar is e^{-2 d} from the circle in Klein's model, at distances d of
-/// 8 and more, and sides there are shorter still.
+/// A corner in the middle of a collar is e^{-2 d} from the circle in Klein's model, at distances d
+/// of 8 and more, and sides there are shorter still.
 using Real = long double;
 using Klein = std::complex<Real>;
+
+Complex narrow(const Klein& z) {
+  return {static_cast<double>(z.real()), static_cast<double>(z.imag())};
+}
 
 /// A convex polygon in Klein's model, where geodesics are straight; the side from corner i to the
 /// next lies on the bisector of the element side[i], or on the frame where it is negative.
 struct Cell {
-  std::vector<Klein> corner{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}};
-  std::vector<int> side{-1, -1, -1, -1};
+  std::vector<Klein> corner;
+  std::vector<int> side;
+  std::vector<Complex> rough;  ///< The corners in doubles.
+  double reach = 0;            ///< The largest distance of these from 0.
 
-  Real reach() const {
-    Real square = 0;
-    for (const Klein& k : corner) square = std::max(square, std::norm(k));
-    return std::sqrt(square);
+  Cell(std::vector<Klein> corners, std::vector<int> sides)
+      : corner(std::move(corners)), side(std::move(sides)) {
+    for (const Klein& k : corner) {
+      rough.push_back(narrow(k));
+      reach = std::max(reach, std::abs(rough.back()));
+    }
   }
 };
 
@@ -71,58 +83,72 @@ Real sliverAt(const Klein& corner) {
   return height > 2.5e-5L ? 1e-12L : std::max(1.6e-3L * height * height, 3e-19L);
 }
 
-/// Cuts off what is nearer to g(0) than to 0: Re(conj(u) k) > |w| for the image w of 0 in the
-/// direction u. Returns whether that was anything.
-bool cutOff(Cell& cell, const WideElement& g, int label) {
-  const Real reach = cell.reach();
-  if (std::abs(g.shape.b) > (reach + 1e-15L) * std::abs(g.shape.a)) return false;
-  const auto narrow = [](const WideComplex& z) {
+/// Whether the bisector of 0 and g(0) may come near a corner, in doubles.
+bool maySee(const Cell& cell, const Su11& g) {
+  constexpr double kRounding = 1e-15;
+  const Complex image = g.b / std::conj(g.a);
+  const double height = std::abs(image);
+  if (height > cell.reach + kRounding) return false;
+  const Complex direction = image / height;
+  return std::any_of(cell.rough.begin(), cell.rough.end(), [&](const Complex& k) {
+    return direction.real() * k.real() + direction.imag() * k.imag() > height - kRounding;
+  });
+}
+
+/// Per corner how much nearer it is to g(0) than to 0: Re(conj(u) k) - |w| for the image w of 0 in
+/// the direction u. Empty where none is, or no more than a sliver.
+std::vector<Real> aboveBisector(const Cell& cell, const WideElement& g) {
+  if (!maySee(cell, g.shape)) return {};
+  const auto real = [](const WideComplex& z) {
     return Klein(static_cast<Real>(z.real()), static_cast<Real>(z.imag()));
   };
-  const Klein image = narrow(g.map.b) / std::conj(narrow(g.map.a));
+  const Klein image = real(g.map.b) / std::conj(real(g.map.a));
   const Real height = std::abs(image);
-  if (height >= reach) return false;
   const Klein direction = image / height;
-  const std::size_t n = cell.corner.size();
-  std::vector<Real> above(n);
+  std::vector<Real> above;
   bool cuts = false;
-  for (std::size_t i = 0; i < n; ++i) {
-    above[i] = std::real(std::conj(direction) * cell.corner[i]) - height;
-    cuts = cuts || above[i] > sliverAt(cell.corner[i]);
+  for (const Klein& k : cell.corner) {
+    above.push_back(direction.real() * k.real() + direction.imag() * k.imag() - height);
+    cuts = cuts || above.back() > sliverAt(k);
   }
-  if (!cuts) return false;
-  Cell rest{{}, {}};
+  return cuts ? above : std::vector<Real>{};
+}
+
+/// Cuts off what is nearer to g(0) than to 0.
+void cutOff(Cell& cell, const WideElement& g, int label) {
+  const std::vector<Real> above = aboveBisector(cell, g);
+  if (above.empty()) return;
+  const std::size_t n = cell.corner.size();
+  std::vector<Klein> corners;
+  std::vector<int> sides;
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t j = (i + 1) % n;
     const bool in = above[i] <= 0;
     if (in) {
-      rest.corner.push_back(cell.corner[i]);
-      rest.side.push_back(cell.side[i]);
+      corners.push_back(cell.corner[i]);
+      sides.push_back(cell.side[i]);
     }
     if (in == (above[j] <= 0)) continue;
     const Real t = above[i] / (above[i] - above[j]);
-    rest.corner.push_back(cell.corner[i] + t * (cell.corner[j] - cell.corner[i]));
-    rest.side.push_back(in ? label : cell.side[i]);
+    corners.push_back(cell.corner[i] + t * (cell.corner[j] - cell.corner[i]));
+    sides.push_back(in ? label : cell.side[i]);
   }
-  cell = std::move(rest);
-  return true;
+  cell = Cell(std::move(corners), std::move(sides));
 }
 
 Cell cellOf(const Elements& elements) {
-  Cell cell;
-  for (std::size_t i = 0; i < elements.size(); ++i)
-    cutOff(cell, elements[i], static_cast<int>(i));
+  Cell cell({{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, {-1, -1, -1, -1});
+  for (std::size_t i = 0; i < elements.size(); ++i) cutOff(cell, elements[i], static_cast<int>(i));
   return cell;
 }
 
 bool isBounded(const Cell& cell) {
-  return cell.reach() < 1 - 1e-14L;
+  return cell.reach < 1 - 1e-14;
 }
 
 Complex diskPoint(const Klein& klein) {
   const Real k = std::abs(klein);
-  const Klein point = klein / (1 + std::sqrt((1 - k) * (1 + k)));
-  return {static_cast<double>(point.real()), static_cast<double>(point.imag())};
+  return narrow(klein / (1 + std::sqrt((1 - k) * (1 + k))));
 }
 
 /// Precondition: bounded.
@@ -191,8 +217,8 @@ class Turner {
 
   /// The power of it that brings g(0) nearest to 0: its images lie beside the axis.
   int turnsOf(const Su11& g) const {
-    return static_cast<int>(
-        std::lround((alongDiameter(inverse(frame_)) - alongDiameter(inverse(frame_) * g)) / length_));
+    return static_cast<int>(std::lround(
+        (alongDiameter(inverse(frame_)) - alongDiameter(inverse(frame_) * g)) / length_));
   }
   Su11 turned(const Su11& g, int turns) const {
     return frame_ * translation(turns * length_) * inverse(frame_) * g;
@@ -285,11 +311,26 @@ Status tooSmall(double excess, int genus) {
           "give generators that move the centre of the disk less"};
 }
 
+/// Not OK where an element is so short that the polygon, up to `reach` in Klein's model, reaches
+/// further across its collar than doubles hold.
+Status collarTooLong(const Elements& elements, double reach) {
+  double length = kShort;
+  for (const WideElement& g : elements) length = std::min(length, translationLength(g.shape));
+  if (length >= kShort || reach < std::tanh(kFarthest)) return {};
+  return {Reason::kResidualTooLarge,
+          "the collar of a closed geodesic of length " + shortestDouble(length) +
+              " reaches to distance " + shortestDouble(std::asinh(1 / std::sinh(length / 2))) +
+              " on either side; with it the polygon reaches further than " +
+              shortestDouble(kFarthest) + ", where doubles end",
+          "take a surface with fewer or longer short geodesics"};
+}
+
 /// Products until the area is right. elements: generate the group, with their inverses.
 Result<Domain> closeDomain(Context& context, Elements elements, int genus) {
   const Elements generators = elements;
   const double area = 4 * kPi * (genus - 1);
   double last = kUnbounded;
+  double reach = 0;
   for (int round = 0; round < 100; ++round) {
     RETURN_IF_ERROR(context.check());
     Cell cell = cellOf(elements);
@@ -302,19 +343,23 @@ Result<Domain> closeDomain(Context& context, Elements elements, int genus) {
       return Domain{std::move(cell), std::move(neighbours), std::abs(excess) * area};
     };
     // Whole sides in the middle of a collar are smaller than the rounding of the area.
-    const bool far = cell.reach() > kFar;
+    const bool far = cell.reach > kFar;
     if (closed && !far && (excess < kAreaReached || stays)) return domain();
-    if (excess < 0 && !closed) return tooSmall(excess, genus);
-    const double reach = static_cast<double>(cell.reach()) * (1 + 1e-9);
-    ASSIGN_OR_RETURN(elements, Growth(neighbours, reach).run(generators));
+    reach = cell.reach * (1 + 1e-9);
+    Result<Elements> grown = Growth(neighbours, reach).run(generators);
+    if (!grown.ok() || (excess < 0 && !closed)) {
+      RETURN_IF_ERROR(collarTooLong(generators, reach));
+      return grown.ok() ? tooSmall(excess, genus) : grown.status();
+    }
+    elements = *std::move(grown);
     const bool cuts = std::any_of(elements.begin(), elements.end(), [&cell](const WideElement& g) {
-      Cell copy = cell;
-      return cutOff(copy, g, 0);
+      return !aboveBisector(cell, g).empty();
     });
     if (cuts && round < 99) continue;
     if (closed) return domain();
     break;
   }
+  RETURN_IF_ERROR(collarTooLong(generators, reach));
   return Status(
       Reason::kInvalidOption,
       "the elements generate no group of a closed surface of genus " + std::to_string(genus));
@@ -393,7 +438,10 @@ Su11 firstBase(Elements& elements) {
 }
 
 double reachOf(const Domain& domain) {
-  return 2 * std::atanh(std::abs(diskPoint(domain.cell.reach())));
+  double reach = 0;
+  for (const Klein& corner : domain.cell.corner)
+    reach = std::max(reach, 2 * std::atanh(std::abs(diskPoint(corner))));
+  return reach;
 }
 
 /// Moves the base point by a pattern of steps, ever smaller, to where the polygon reaches less far.
@@ -451,6 +499,7 @@ Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<WideSu11>&
   for (std::size_t k = elements.size(); k-- > 0;) elements.push_back(inverseOf(elements[k]));
   ASSIGN_OR_RETURN(Domain domain, closeDomain(context, std::move(elements), genus));
   ASSIGN_OR_RETURN(domain, improveBase(context, std::move(domain), genus, polygon.base));
+  RETURN_IF_ERROR(collarTooLong(domain.neighbours, domain.cell.reach));
   polygon.base = renormalized(polygon.base);
   for (WideElement& g : domain.neighbours) {
     polygon.pairings.push_back({g.shape, std::move(g.word)});

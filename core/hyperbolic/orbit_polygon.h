@@ -45,7 +45,9 @@ struct OrbitPolygon {
 /// 4 pi (genus - 1); products of its pairings are tried until the areas agree to 1e-6 relative.
 /// Fails with kInvalidOption where an element turns or shifts to a point, or where no product cuts
 /// off more and the areas differ (wrong genus, or no closed surface's group); with
-/// kResidualTooLarge where rounding makes the polygon too small: generators that move 0 by d carry
+/// kResidualTooLarge where it would reach further than 10.5 across the collar of a short geodesic
+/// (one of length l reaches log(4 / l) on either side, three of 0.02 in a row are as much), and
+/// where rounding makes the polygon too small: generators that move 0 by d carry
 /// some 1e-16 e^{d/2}, multiplied again by the size of what they are multiplied with. Some 50 times
 /// O(n^2 + n m) for n pairings, at most 12 genus - 6 sides of the polygon, and m corners.
 /// Source: Voight 2009, Computing fundamental domains for Fuchsian groups; MATH 7.5.

@@ -23,26 +23,25 @@ bool anyEqual(const std::vector<Axis>& a, const std::vector<Axis>& b) {
 }
 
 /// The axes over the curves; fails unless these are as many as they must be, simple and disjoint.
-Result<std::vector<std::vector<Axis>>> disjointLifts(const OrbitPolygon& polygon,
-                                                     const std::vector<ClosedGeodesic>& curves) {
+Result<Cuts> disjointCuts(const OrbitPolygon& polygon, const std::vector<ClosedGeodesic>& curves) {
   if (curves.size() != static_cast<std::size_t>(3 * polygon.genus - 3))
-    return Status(Reason::kInvalidOption,
-                  "genus " + std::to_string(polygon.genus) + " is cut into pants by " +
-                      std::to_string(3 * polygon.genus - 3) + " curves, not " +
-                      std::to_string(curves.size()));
-  std::vector<std::vector<Axis>> lifts;
+    return Status(Reason::kInvalidOption, "genus " + std::to_string(polygon.genus) +
+                                              " is cut into pants by " +
+                                              std::to_string(3 * polygon.genus - 3) +
+                                              " curves, not " + std::to_string(curves.size()));
+  Cuts cuts;
   for (const ClosedGeodesic& curve : curves) {
     std::vector<Axis> axes = axesAcross(polygon, curve.element);
-    const bool meets = anyCross(axes, axes) ||
-                       std::any_of(lifts.begin(), lifts.end(), [&axes](const auto& others) {
-                         return anyCross(axes, others) || anyEqual(axes, others);
-                       });
-    if (meets)
-      return Status(Reason::kInvalidOption, "curve " + std::to_string(lifts.size()) +
+    const auto meets = [&axes](const std::vector<Axis>& others) {
+      return anyCross(axes, others) || anyEqual(axes, others);
+    };
+    if (anyCross(axes, axes) || std::any_of(cuts.lifts.begin(), cuts.lifts.end(), meets))
+      return Status(Reason::kInvalidOption, "curve " + std::to_string(cuts.lifts.size()) +
                                                 " meets itself or one before it");
-    lifts.push_back(std::move(axes));
+    cuts.lifts.push_back(std::move(axes));
+    cuts.lengths.push_back(curve.length);
   }
-  return lifts;
+  return cuts;
 }
 
 /// The pants that a surface is cut into, ascending.
@@ -112,13 +111,13 @@ bool anyCross(const std::vector<Axis>& a, const std::vector<Axis>& b) {
 Result<FenchelNielsenReading> fenchelNielsen(Context& context, const OrbitPolygon& polygon,
                                              const std::vector<ClosedGeodesic>& curves) {
   const Context::Stage stage(context, "pants");
-  ASSIGN_OR_RETURN(const auto lifts, disjointLifts(polygon, curves));
-  ASSIGN_OR_RETURN(const CutSurface cut, cutSurface(polygon, lifts));
+  ASSIGN_OR_RETURN(const Cuts cuts, disjointCuts(polygon, curves));
+  ASSIGN_OR_RETURN(const CutSurface cut, cutSurface(polygon, cuts));
   FenchelNielsenReading reading;
   FenchelNielsen& coordinates = reading.coordinates;
   coordinates.genus = polygon.genus;
   ASSIGN_OR_RETURN(coordinates.pants, pantsOf(cut));
-  for (const ClosedGeodesic& curve : curves) coordinates.lengths.push_back(curve.length);
+  coordinates.lengths = cuts.lengths;
   ASSIGN_OR_RETURN(const std::vector<Mark> marks, markFeet(context, polygon, cut, coordinates));
   for (const Mark& mark : marks) reading.seam_error = std::max(reading.seam_error, mark.error);
   if (!(reading.seam_error < kSeamTolerance))

@@ -21,16 +21,14 @@ constexpr double kLonger = 0.5;
 ClosedGeodesic geodesicOf(const OrbitPolygon& polygon, const std::vector<Lift>& conjugates,
                           const std::vector<std::int32_t>& pairings) {
   const auto best = std::min_element(
-      conjugates.begin(), conjugates.end(), [](const Lift& x, const Lift& y) {
-        return std::abs(x.shape.b) < std::abs(y.shape.b);
-      });
+      conjugates.begin(), conjugates.end(),
+      [](const Lift& x, const Lift& y) { return std::abs(x.shape.b) < std::abs(y.shape.b); });
   Word way;
   const auto append = [](Word& word, const Word& letters) {
     word.insert(word.end(), letters.begin(), letters.end());
   };
   std::vector<int> steps;
-  for (const Lift* c = &*best; c->from >= 0; c = &conjugates[c->from])
-    steps.push_back(c->pairing);
+  for (const Lift* c = &*best; c->from >= 0; c = &conjugates[c->from]) steps.push_back(c->pairing);
   for (auto step = steps.rbegin(); step != steps.rend(); ++step)
     append(way, polygon.pairings[*step].word);
   Word word = inverseWord(way);
@@ -40,7 +38,8 @@ ClosedGeodesic geodesicOf(const OrbitPolygon& polygon, const std::vector<Lift>& 
 }
 
 bool isAmong(const Axis& axis, const std::vector<Axis>& axes) {
-  return std::any_of(axes.begin(), axes.end(), [&axis](const Axis& a) { return sameAxis(a, axis); });
+  return std::any_of(axes.begin(), axes.end(),
+                     [&axis](const Axis& a) { return sameAxis(a, axis); });
 }
 
 /// An element over a closed geodesic that may be chosen.
@@ -62,9 +61,8 @@ std::vector<Candidate> candidatesOf(const OrbitPolygon& polygon,
     if (!meetsPolygon(polygon, axis, kTouching)) continue;
     result.push_back({&pairings, map, translationLength(shape), axis});
   }
-  std::stable_sort(result.begin(), result.end(), [](const Candidate& x, const Candidate& y) {
-    return x.length < y.length;
-  });
+  std::stable_sort(result.begin(), result.end(),
+                   [](const Candidate& x, const Candidate& y) { return x.length < y.length; });
   return result;
 }
 
@@ -78,8 +76,7 @@ class Chooser {
   void choose(const std::vector<std::vector<std::int32_t>>& elements);
 
   std::vector<ClosedGeodesic> curves;
-  std::vector<std::vector<Axis>> lifts;  ///< Per curve.
-  std::vector<double> lengths() const;
+  Cuts cuts;  ///< Along these.
 
  private:
   struct Seen {
@@ -91,21 +88,14 @@ class Chooser {
   const OrbitPolygon& polygon_;
 };
 
-std::vector<double> Chooser::lengths() const {
-  std::vector<double> result;
-  for (const ClosedGeodesic& curve : curves) result.push_back(curve.length);
-  return result;
-}
-
 /// Whether it runs over a geodesic that was seen, or is a power of a curve.
 bool Chooser::isKnown(const Candidate& candidate, const std::vector<Seen>& seen) const {
   for (auto other = seen.rbegin(); other != seen.rend(); ++other) {
     if (other->length < candidate.length * (1 - 1e-6)) break;
     if (isAmong(candidate.axis, other->axes)) return true;
   }
-  return std::any_of(lifts.begin(), lifts.end(), [&candidate](const std::vector<Axis>& axes) {
-    return isAmong(candidate.axis, axes);
-  });
+  return std::any_of(cuts.lifts.begin(), cuts.lifts.end(),
+                     [&candidate](const auto& axes) { return isAmong(candidate.axis, axes); });
 }
 
 void Chooser::choose(const std::vector<std::vector<std::int32_t>>& elements) {
@@ -119,19 +109,19 @@ void Chooser::choose(const std::vector<std::vector<std::int32_t>>& elements) {
     for (const Lift& lift : conjugates) axes.push_back(lift.axis());
     seen.push_back({candidate.length, axes});
     if (anyCross(axes, axes)) continue;
-    if (std::any_of(lifts.begin(), lifts.end(),
-                    [&axes](const std::vector<Axis>& chosen) { return anyCross(axes, chosen); }))
+    if (std::any_of(cuts.lifts.begin(), cuts.lifts.end(),
+                    [&axes](const auto& chosen) { return anyCross(axes, chosen); }))
       continue;
     curves.push_back(geodesicOf(polygon_, conjugates, *candidate.pairings));
-    lifts.push_back(std::move(axes));
+    cuts.lifts.push_back(std::move(axes));
+    cuts.lengths.push_back(curves.back().length);
   }
 }
 
 /// The shortest of the pairings, an upper bound of the systole.
 double shortestPairing(const OrbitPolygon& polygon) {
   double least = translationLength(polygon.pairings.front().map);
-  for (const GroupElement& g : polygon.pairings)
-    least = std::min(least, translationLength(g.map));
+  for (const GroupElement& g : polygon.pairings) least = std::min(least, translationLength(g.map));
   return least;
 }
 
@@ -150,29 +140,26 @@ Status missingCurves(const CutSurface& cut, std::size_t found, double length) {
               std::to_string(found + static_cast<std::size_t>(missing)) +
               " curves of a pants decomposition are no longer than " + std::to_string(length) +
               "; missing: " + pieces,
-          "allow more elements"};
+          "allow more parts"};
 }
 
 }  // namespace
 
 Result<PantsDecomposition> pantsDecomposition(Context& context, const OrbitPolygon& polygon,
-                                              const SpectrumOptions& options) {
+                                              const PantsOptions& options) {
   const std::size_t wanted = 3 * static_cast<std::size_t>(polygon.genus) - 3;
   Chooser chooser(polygon);
   {
     const Context::Stage stage(context, "pants curves");
-    std::size_t left = options.most_elements;
+    std::size_t left = options.most_parts;
     double known = 0;
     double upto = std::min(kLonger, shortestPairing(polygon) * (1 + 1e-5));
     for (; chooser.curves.size() < wanted; upto += kLonger) {
-      ASSIGN_OR_RETURN(const CutSurface cut, cutSurface(polygon, chooser.lifts));
-      const auto disks = coverPieces(cut, chooser.lifts, chooser.lengths());
-      ASSIGN_OR_RETURN(const PieceElements found,
-                       searchPieces(context, polygon, cut, disks, known * (1 - kLengthTolerance),
-                                    upto, left));
-      if (getenv("DBG"))
-        fprintf(stderr, "upto %.3f: %zu parts %zu pieces %zu disks, %zu visited, %zu elements\n", upto,
-                cut.parts.size(), cut.pieces.size(), disks.size(), found.visited, found.elements.size());
+      ASSIGN_OR_RETURN(const CutSurface cut, cutSurface(polygon, chooser.cuts));
+      const auto disks = coverPieces(cut, chooser.cuts);
+      ASSIGN_OR_RETURN(
+          const PieceElements found,
+          searchPieces(context, polygon, cut, disks, known * (1 - kLengthTolerance), upto, left));
       if (!found.complete) return missingCurves(cut, chooser.curves.size(), known);
       left -= found.visited;
       chooser.choose(found.elements);

@@ -46,8 +46,8 @@ std::vector<Point> nearer(const std::vector<Point>& corners, const Point& p, con
     if (a >= 0) result.push_back(from);
     if (a * b >= 0) continue;
     const double t = a / (a - b);
-    result.push_back(
-        normalized({from.time + t * (to.time - from.time), from.space + t * (to.space - from.space)}));
+    result.push_back(normalized(
+        {from.time + t * (to.time - from.time), from.space + t * (to.space - from.space)}));
   }
   return result;
 }
@@ -59,7 +59,8 @@ struct Collar {
 
 bool inCollar(const std::vector<Collar>& collars, const Point& centre, double radius) {
   return std::any_of(collars.begin(), collars.end(), [&](const Collar& collar) {
-    return std::asinh(std::abs(sideOf(collar.axis, centre))) + radius < collar.width - kTouching;
+    return std::asinh(std::abs(sideOfPoint(collar.axis, centre))) + radius <
+           collar.width - kTouching;
   });
 }
 
@@ -113,7 +114,8 @@ class DiskSearch {
         copies_(polygon, inverse(move_)) {}
 
   /// Looks at no more than `most` parts; false: these did not suffice.
-  Result<bool> run(Context& context, std::size_t most, std::vector<std::vector<std::int32_t>>& found);
+  Result<bool> run(Context& context, std::size_t most,
+                   std::vector<std::vector<std::int32_t>>& found);
   std::size_t visited() const { return steps_.size(); }
 
  private:
@@ -124,8 +126,8 @@ class DiskSearch {
   const SearchDisk& disk_;
   const Su11 move_;
   double above_, upto_;
-  double sine_;    ///< sinh of half of how far the point may be moved.
-  double cosine_;  ///< cosh of all of it.
+  double sine_;           ///< sinh of half of how far the point may be moved.
+  double cosine_;         ///< cosh of all of it.
   PolygonCopies copies_;  ///< As seen from the point: move^-1 g.
   std::vector<Step> steps_;
   std::unordered_set<std::int64_t> entered_;
@@ -150,7 +152,8 @@ void DiskSearch::note(std::int32_t i, std::vector<std::vector<std::int32_t>>& fo
   found.push_back(std::move(pairings));
 }
 
-Result<bool> DiskSearch::run(Context& context, std::size_t most, std::vector<std::vector<std::int32_t>>& found) {
+Result<bool> DiskSearch::run(Context& context, std::size_t most,
+                             std::vector<std::vector<std::int32_t>>& found) {
   enter({0, 0, 0, disk_.part});
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     if (i % 1024 == 0) RETURN_IF_ERROR(context.check());
@@ -168,13 +171,11 @@ Result<bool> DiskSearch::run(Context& context, std::size_t most, std::vector<std
 
 }  // namespace
 
-std::vector<SearchDisk> coverPieces(const CutSurface& cut,
-                                    const std::vector<std::vector<Axis>>& lifts,
-                                    const std::vector<double>& lengths) {
+std::vector<SearchDisk> coverPieces(const CutSurface& cut, const Cuts& cuts) {
   std::vector<Collar> collars;
-  for (std::size_t i = 0; i < lifts.size(); ++i)
-    for (const Axis& axis : lifts[i])
-      collars.push_back({axis, std::asinh(1 / std::sinh(lengths[i] / 2))});
+  for (std::size_t i = 0; i < cuts.lifts.size(); ++i)
+    for (const Axis& axis : cuts.lifts[i])
+      collars.push_back({axis, std::asinh(1 / std::sinh(cuts.lengths[i] / 2))});
   std::vector<SearchDisk> disks;
   for (std::size_t k = 0; k < cut.parts.size(); ++k) {
     const PolygonPart& part = cut.parts[k];

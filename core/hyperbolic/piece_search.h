@@ -19,17 +19,15 @@ struct SearchDisk {
 
 /// Disks that cover what simple closed geodesics of the pieces that are not pants can pass, but the
 /// cuffs: all but the collars of the cuffs, the points within asinh(1 / sinh(l / 2)) of a cuff of
-/// length l. lifts: as for cutSurface; lengths: of their curves. O(n l) for n disks and l lifts.
+/// length l. O(n l) for n disks and l lifts.
 /// Source: Buser 1992, 4.1 (the collar theorem).
-std::vector<SearchDisk> coverPieces(const CutSurface& cut,
-                                    const std::vector<std::vector<Axis>>& lifts,
-                                    const std::vector<double>& lengths);
+std::vector<SearchDisk> coverPieces(const CutSurface& cut, const Cuts& cuts);
 
 struct PieceElements {
   /// Elements over closed geodesics, by the pairings that they are the products of.
   std::vector<std::vector<std::int32_t>> elements;
-  std::size_t visited = 0;             ///< Parts of copies of the polygon that were looked at.
-  bool complete = false;               ///< Whether `most` of them sufficed.
+  std::size_t visited = 0;  ///< Parts of copies of the polygon that were looked at.
+  bool complete = false;    ///< Whether `most` of them sufficed.
 };
 
 /// At least one element over every closed geodesic of length in (above, upto] that lies within a

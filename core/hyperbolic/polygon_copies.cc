@@ -3,17 +3,14 @@
 #include <cmath>
 
 namespace moduli {
-namespace {
 
-/// A step of length 2 r multiplies the rounding of a direction by e^{2 r}.
-bool isFar(const OrbitPolygon& polygon) {
+bool reachesFar(const OrbitPolygon& polygon) {
+  // A step of length 2 r multiplies the rounding of a direction by e^{2 r}.
   return 1e-16 * std::exp(4 * polygon.radius) > polygon.separation / 100;
 }
 
-}  // namespace
-
 PolygonCopies::PolygonCopies(const OrbitPolygon& polygon, const Su11& first)
-    : polygon_(polygon), is_far_(isFar(polygon)), known_(polygon.separation), maps_{first} {
+    : polygon_(polygon), is_far_(reachesFar(polygon)), known_(polygon.separation), maps_{first} {
   known_.enter(first, 0);
   if (is_far_) wide_.push_back(widened(first));
 }

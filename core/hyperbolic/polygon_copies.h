@@ -7,9 +7,12 @@
 
 namespace moduli {
 
+/// Whether the polygon reaches so far that two steps from copy to copy in doubles could miss a copy
+/// that is known.
+bool reachesFar(const OrbitPolygon& polygon);
+
 /// Numbered copies of a polygon, reached from one to the next, as a search from a first one meets
-/// them. Where the polygon reaches so far that two steps in doubles could miss a copy that is known,
-/// steps are taken in 113 bits.
+/// them. Where the polygon reaches far, steps are taken in 113 bits.
 class PolygonCopies {
  public:
   /// first: the isometry that carries the polygon to its first copy, which has the number 0.

@@ -31,7 +31,7 @@ double footOf(const Su11& g, const PartEdge& edge) {
 /// The sinh of the distance of an edge from an axis that does not cross it.
 double heightOf(const PartEdge& edge, const Axis& axis) {
   // Along the edge it is x cosh t + y sinh t.
-  const double x = sideOf(axis, edge.from);
+  const double x = sideOfPoint(axis, edge.from);
   const double y = product(axis, edge.across);
   const double end = x * std::cosh(edge.length) + y * std::sinh(edge.length);
   const double least = std::min(std::abs(x), std::abs(end));
@@ -55,7 +55,7 @@ class Strip {
     const auto misses = [&](const Axis& axis) {
       const double rounding = 1e-14 * std::abs(axis.time) * std::max(edge.from.time, end.time);
       const double slack = -kTouching - rounding;
-      return sideOf(axis, edge.from) < slack && sideOf(axis, end) < slack;
+      return sideOfPoint(axis, edge.from) < slack && sideOfPoint(axis, end) < slack;
     };
     return !misses(from_) && !misses(to_);
   }
@@ -120,8 +120,8 @@ void SeamSearch::enter(std::int32_t copy, int part, double height) {
   next_.push({height, copy, part});
 }
 
-/// diameter, tangent: in the copy's coordinates, where they are not as far off as the cuff is in the
-/// frame; the tangent is the normal of the perpendicular at the frame's 0.
+/// diameter, tangent: in the copy's coordinates, where they are not as far off as the cuff is in
+/// the frame; the tangent is the normal of the perpendicular at the frame's 0.
 void SeamSearch::note(const PartEdge& edge, const Axis& diameter, const Axis& tangent) {
   if (edge.cuff == side_) return;
   const double cosine = std::abs(product(edge.line, diameter));

@@ -37,7 +37,7 @@ Status addGeodesics(Context& context, const FuchsianGroup& group, HyperbolicInva
     result.lengths.push_back(geodesic.length);
   }
   result.complete_to = spectrum.complete_to;
-  const Result<PantsDecomposition> pants = pantsDecomposition(context, polygon, options);
+  const Result<PantsDecomposition> pants = pantsDecomposition(context, polygon);
   if (stops(pants.status())) return pants.status();
   result.pants_curves = pants.status();
   if (pants.ok()) result.pants = {pants->coordinates.lengths, pants->coordinates.twists};
