@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/hyperbolic/klein_cell.h"
 
 namespace moduli {
 namespace {
@@ -49,121 +50,15 @@ WideElement productOf(const WideElement& g, const WideElement& h) {
   return elementOf(renormalized(g.map * h.map), reduceWord(word));
 }
 
-/// A corner in the middle of a collar is e^{-2 d} from the circle in Klein's model, at distances d
-/// of 8 and more, and sides there are shorter still.
-using Real = long double;
-using Klein = std::complex<Real>;
-
-Complex narrow(const Klein& z) {
-  return {static_cast<double>(z.real()), static_cast<double>(z.imag())};
-}
-
-/// A convex polygon in Klein's model, where geodesics are straight; the side from corner i to the
-/// next lies on the bisector of the element side[i], or on the frame where it is negative.
-struct Cell {
-  std::vector<Klein> corner;
-  std::vector<int> side;
-  std::vector<Complex> rough;  ///< The corners in doubles.
-  double reach = 0;            ///< The largest distance of these from 0.
-
-  Cell(std::vector<Klein> corners, std::vector<int> sides)
-      : corner(std::move(corners)), side(std::move(sides)) {
-    for (const Klein& k : corner) {
-      rough.push_back(narrow(k));
-      reach = std::max(reach, std::abs(rough.back()));
-    }
-  }
-};
-
-/// What is cut off at a corner must be thicker than this, in Klein's model: 1e-12 up to distance 6;
-/// sides in the middle of a collar of length l meet at angles of some l^2, and reach as far as
-/// log(4 / l) and more.
-Real sliverAt(const Klein& corner) {
-  const Real height = 1 - std::norm(corner);
-  return height > 2.5e-5L ? 1e-12L : std::max(1.6e-3L * height * height, 3e-19L);
-}
-
-/// Whether the bisector of 0 and g(0) may come near a corner, in doubles.
-bool maySee(const Cell& cell, const Su11& g) {
-  constexpr double kRounding = 1e-15;
-  const Complex image = g.b / std::conj(g.a);
-  const double height = std::abs(image);
-  if (height > cell.reach + kRounding) return false;
-  const Complex direction = image / height;
-  return std::any_of(cell.rough.begin(), cell.rough.end(), [&](const Complex& k) {
-    return direction.real() * k.real() + direction.imag() * k.imag() > height - kRounding;
-  });
-}
-
-/// Per corner how much nearer it is to g(0) than to 0: Re(conj(u) k) - |w| for the image w of 0 in
-/// the direction u. Empty where none is, or no more than a sliver.
-std::vector<Real> aboveBisector(const Cell& cell, const WideElement& g) {
-  if (!maySee(cell, g.shape)) return {};
-  const auto real = [](const WideComplex& z) {
-    return Klein(static_cast<Real>(z.real()), static_cast<Real>(z.imag()));
-  };
-  const Klein image = real(g.map.b) / std::conj(real(g.map.a));
-  const Real height = std::abs(image);
-  const Klein direction = image / height;
-  std::vector<Real> above;
-  bool cuts = false;
-  for (const Klein& k : cell.corner) {
-    above.push_back(direction.real() * k.real() + direction.imag() * k.imag() - height);
-    cuts = cuts || above.back() > sliverAt(k);
-  }
-  return cuts ? above : std::vector<Real>{};
-}
-
-/// Cuts off what is nearer to g(0) than to 0.
-void cutOff(Cell& cell, const WideElement& g, int label) {
-  const std::vector<Real> above = aboveBisector(cell, g);
-  if (above.empty()) return;
-  const std::size_t n = cell.corner.size();
-  std::vector<Klein> corners;
-  std::vector<int> sides;
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t j = (i + 1) % n;
-    const bool in = above[i] <= 0;
-    if (in) {
-      corners.push_back(cell.corner[i]);
-      sides.push_back(cell.side[i]);
-    }
-    if (in == (above[j] <= 0)) continue;
-    const Real t = above[i] / (above[i] - above[j]);
-    corners.push_back(cell.corner[i] + t * (cell.corner[j] - cell.corner[i]));
-    sides.push_back(in ? label : cell.side[i]);
-  }
-  cell = Cell(std::move(corners), std::move(sides));
-}
-
-Cell cellOf(const Elements& elements) {
-  Cell cell({{-2, -2}, {2, -2}, {2, 2}, {-2, 2}}, {-1, -1, -1, -1});
-  for (std::size_t i = 0; i < elements.size(); ++i) cutOff(cell, elements[i], static_cast<int>(i));
+KleinCell cellOf(const Elements& elements) {
+  KleinCell cell;
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    cutOff(cell, elements[i].map, elements[i].shape, static_cast<int>(i));
   return cell;
 }
 
-bool isBounded(const Cell& cell) {
-  return cell.reach < 1 - 1e-14;
-}
-
-Complex diskPoint(const Klein& klein) {
-  const Real k = std::abs(klein);
-  return narrow(klein / (1 + std::sqrt((1 - k) * (1 + k))));
-}
-
-/// Precondition: bounded.
-double areaOf(const Cell& cell) {
-  double area = 0;
-  for (std::size_t i = 0; i < cell.corner.size(); ++i) {
-    const Complex p = diskPoint(cell.corner[i]);
-    const Complex q = diskPoint(cell.corner[(i + 1) % cell.corner.size()]);
-    area -= 2 * std::arg(1.0 - std::conj(p) * q);
-  }
-  return area;
-}
-
 /// The elements of the sides, and their inverses. The cell's sides are renumbered to them.
-Elements neighboursOf(Cell& cell, const Elements& elements) {
+Elements neighboursOf(KleinCell& cell, const Elements& elements) {
   Elements result;
   const auto add = [&result](WideElement g) {
     for (std::size_t k = 0; k < result.size(); ++k)
@@ -296,7 +191,7 @@ class Growth {
 };
 
 struct Domain {
-  Cell cell;
+  KleinCell cell;
   Elements neighbours;
   double area_error = 0;
 };
@@ -333,7 +228,7 @@ Result<Domain> closeDomain(Context& context, Elements elements, int genus) {
   double reach = 0;
   for (int round = 0; round < 100; ++round) {
     RETURN_IF_ERROR(context.check());
-    Cell cell = cellOf(elements);
+    KleinCell cell = cellOf(elements);
     Elements neighbours = neighboursOf(cell, elements);
     const double excess = isBounded(cell) ? areaOf(cell) / area - 1 : kUnbounded;
     const bool stays = excess > last / 2;
@@ -353,7 +248,7 @@ Result<Domain> closeDomain(Context& context, Elements elements, int genus) {
     }
     elements = *std::move(grown);
     const bool cuts = std::any_of(elements.begin(), elements.end(), [&cell](const WideElement& g) {
-      return !aboveBisector(cell, g).empty();
+      return cutsOff(cell, g.map, g.shape);
     });
     if (cuts && round < 99) continue;
     if (closed) return domain();
@@ -439,7 +334,7 @@ Su11 firstBase(Elements& elements) {
 
 double reachOf(const Domain& domain) {
   double reach = 0;
-  for (const Klein& corner : domain.cell.corner)
+  for (const KleinPoint& corner : domain.cell.corner)
     reach = std::max(reach, 2 * std::atanh(std::abs(diskPoint(corner))));
   return reach;
 }
@@ -506,7 +401,7 @@ Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<WideSu11>&
     polygon.wide.push_back(g.map);
   }
   polygon.sides = domain.cell.side;
-  for (const Klein& corner : domain.cell.corner) polygon.corners.push_back(diskPoint(corner));
+  for (const KleinPoint& corner : domain.cell.corner) polygon.corners.push_back(diskPoint(corner));
   polygon.radius = reachOf(domain);
   polygon.area_error = domain.area_error;
   polygon.separation = std::numeric_limits<double>::infinity();
