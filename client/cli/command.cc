@@ -38,8 +38,9 @@ void Arguments::add(const std::string& key, std::string value) {
 const std::vector<CommandSpec>& commands() {
   static const std::vector<CommandSpec> all = [] {
     std::vector<CommandSpec> list;
-    for (auto group : {computeCommands, parameterizeCommands, collectionCommands, addCommands,
-                       shapeCommands, searchCommands, sampleCommands, aboutCommands}) {
+    for (auto group :
+         {computeCommands, parameterizeCommands, collectionCommands, addCommands, shapeCommands,
+          searchCommands, evaluateCommands, sampleCommands, aboutCommands}) {
       for (CommandSpec& command : group()) list.push_back(std::move(command));
     }
     return list;
@@ -158,6 +159,12 @@ std::optional<std::string> isPositiveNumber(const std::string& value) {
   const auto number = parseDouble(value);
   if (number && *number > 0 && *number <= std::numeric_limits<double>::max()) return std::nullopt;
   return "must be a positive number";
+}
+
+std::optional<std::string> isDistance(const std::string& value) {
+  const auto number = parseDouble(value);
+  if (number && *number >= 0 && *number <= std::numeric_limits<double>::max()) return std::nullopt;
+  return "must be 0 or a positive number";
 }
 
 std::optional<std::string> isKeyValue(const std::string& value) {

@@ -88,6 +88,7 @@ std::vector<CommandSpec> collectionCommands();
 std::vector<CommandSpec> addCommands();
 std::vector<CommandSpec> shapeCommands();
 std::vector<CommandSpec> searchCommands();
+std::vector<CommandSpec> evaluateCommands();
 std::vector<CommandSpec> sampleCommands();
 std::vector<CommandSpec> aboutCommands();
 
@@ -101,6 +102,8 @@ std::vector<OptionSpec> prepareOptions();
 // Checks.
 std::optional<std::string> isPositiveInteger(const std::string& value);
 std::optional<std::string> isPositiveNumber(const std::string& value);
+/// 0 counts.
+std::optional<std::string> isDistance(const std::string& value);
 std::optional<std::string> isKeyValue(const std::string& value);
 
 }  // namespace moduli::cli

@@ -39,6 +39,9 @@ Status runSignature(Session& session, const Arguments& arguments) {
   if (arguments.has("initial-delaunay")) {
     request.set_initial_delaunay(arguments.text("initial-delaunay") == "on");
   }
+  if (arguments.has("spectrum-length")) {
+    request.set_spectrum_length(arguments.number("spectrum-length", 0));
+  }
   const Result<v1::Signature> result = client->computeSignature(request);
   if (!result.ok()) return session.explain(mesh.name(), result.status());
   if (session.json()) return session.printJson(*result);
@@ -80,6 +83,13 @@ std::vector<OptionSpec> signatureOptions() {
   std::vector<OptionSpec> options = {
       spaceOption("Compute this space only, and do only the work that it needs; default: all")};
   options.push_back(initialDelaunayOption());
+  options.push_back(
+      {.names = "--spectrum-length",
+       .value = "L",
+       .help =
+           "Find all closed geodesics of a hyperbolic surface up to this length (curvature -1), "
+           "as far as they are not too many; default: half as long again as the shortest, or "
+           "less where that takes long"});
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
   options.push_back(formatOption());
   return options;
@@ -111,16 +121,20 @@ std::vector<CommandSpec> computeCommands() {
                   "class (space conformal), what bending keeps (metric), and what rigid motion and "
                   "scaling keep (shape). Every connected surface has a conformal class: tau for a "
                   "torus, the modulus of a ring, a period matrix and its energies for anything "
-                  "with more handles or holes, each with a certified error. Closed surfaces of "
-                  "genus 0 and 1 have the other two as well, unless they come without positions, "
-                  "as intrinsic triangulations (.json). The certificate that comes with it "
+                  "with more handles or holes, each with a certified error; the latter also have a "
+                  "hyperbolic metric: their closed geodesics, shortest first, the generators of "
+                  "their group, and lengths and twists of the curves that cut them into pairs of "
+                  "pants. Every "
+                  "surface has the other two as well, unless it comes without positions, as an "
+                  "intrinsic triangulation (.json). The certificate that comes with it "
                   "carries the residuals to judge it by. A surface of several components is "
                   "refused unless --component says which one is meant.",
        .arguments = {{.name = "MESH", .help = kMeshHelp}},
        .options = signatureOptions(),
        .run = runSignature,
        .examples =
-           "moduli signature kitten.off\nmoduli signature --json --space conformal pretzel.off"},
+           "moduli signature kitten.off\nmoduli signature --json --space conformal pretzel.off\n"
+           "moduli signature pretzel.off --spectrum-length 4"},
       {.path = "distance",
        .summary = "Tell how far two surfaces are apart in each space",
        .details = "Compares the signatures of two surfaces, without a map between them. A space in "

@@ -35,6 +35,8 @@ std::string placeName(const v1::Parameterization& result) {
       return "a rectangle";
     case Options::CIRCLE_DOMAIN:
       return result.circles_size() == 2 ? "an annulus" : "a circle domain";
+    case Options::HYPERBOLIC:
+      return "the Poincaré disk";
     default:
       return "the plane";
   }
@@ -51,6 +53,17 @@ std::string qualityText(const v1::ParameterizationCertificate& certificate) {
     const int count = certificate.flipped_faces();
     text += count == 0 ? "no flipped faces" : counted(count, "flipped face", "flipped faces");
   }
+  return text;
+}
+
+// What is drawn on a hyperbolic surface.
+std::string tilingText(const v1::Parameterization& result) {
+  const v1::HyperbolicDomain& domain = result.hyperbolic();
+  std::string text = "cuts";
+  if (domain.geodesics_size() > 0) {
+    text += "; closed geodesics from length " + number(domain.geodesics(0).length());
+  }
+  if (domain.boundary_lengths_size() > 0) text += "; boundary geodesic";
   return text;
 }
 
@@ -129,6 +142,7 @@ MapPanels::MapPanels(const MapPicture& picture)
         extendToVertices(picture.field, 1, picture.map->positions.size() / 3, drawing_.faces));
   }
   for (const int f : drawing_.mapped) image_faces_.push_back(drawing_.corners[f]);
+  if (picture.map->result.has_hyperbolic()) tiling_.emplace(drawing_, *picture.map);
   listPanels(picture);
   listCircles(picture);
 }
@@ -144,6 +158,12 @@ void MapPanels::listPanels(const MapPicture& picture) {
                        quality.empty() ? "from the positive x axis" : quality});
     panels_.push_back({PanelKind::kBack, "Sphere, back",
                        drawing_.surface.empty() ? shown : "from the negative x axis"});
+    return;
+  }
+  if (tiling_) {
+    if (!drawing_.surface.empty()) panels_.front().subtitle = tilingText(picture.map->result);
+    panels_.push_back({PanelKind::kDisk, "Poincaré disk, with copies beyond the cuts",
+                       quality.empty() ? tilingText(picture.map->result) : quality});
     return;
   }
   std::string title = place_.substr(place_.find(' ') + 1);
@@ -170,7 +190,7 @@ std::string MapPanels::heading() const {
 }
 
 Color MapPanels::colorAt(int face, const Vec3& weights) const {
-  if (!field_ && !drawing_.isMapped(face)) return kUnmappedColor;
+  if (!field_ && (tiling_ || !drawing_.isMapped(face))) return kUnmappedColor;
   if (drawing_.folded[face]) return kFoldedColor;
   if (field_) return field_->at(drawing_.faces[face], weights);
   const CornerIndices& corners = drawing_.corners[face];
@@ -212,6 +232,12 @@ Scene MapPanels::scene(PanelKind kind, const RenderOptions& look, double pixel) 
   return kind == PanelKind::kSurface ? surfaceScene(pixel) : imageScene(kind, look, pixel);
 }
 
+std::vector<Shape> MapPanels::shapes(int width, int height) const {
+  if (!tiling_) return {};
+  // Area of the plane, not of the disk's metric: edges in its middle are larger than most.
+  return tiling_->shapes(width, height, showsEdges(DiskTiling::scale(width, height)));
+}
+
 Scene MapPanels::surfaceScene(double pixel) const {
   Scene scene;
   scene.points = drawing_.surface;
@@ -219,6 +245,10 @@ Scene MapPanels::surfaceScene(double pixel) const {
   scene.paint = [this](int face, const Vec3& weights) { return colorAt(face, weights); };
   scene.lines.push_back(
       {segmentsOf(drawing_, Kind::kBoundary, true), kBoundaryColor, kBoundaryWidth * pixel});
+  if (tiling_) {
+    for (LineSet& lines : tiling_->surfaceLines(pixel)) scene.lines.push_back(std::move(lines));
+    return scene;
+  }
   scene.lines.push_back({segmentsOf(drawing_, Kind::kSeam, true), kSeamColor, kSeamWidth * pixel});
   return scene;
 }

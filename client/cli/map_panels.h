@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/disk_tiling.h"
 #include "client/cli/map_drawing.h"
 #include "client/cli/map_pattern.h"
 #include "client/cli/map_picture.h"
@@ -32,6 +33,7 @@ PanelLayout layOutPanels(const PictureSize& size, int count);
 enum class PanelKind : std::uint8_t {
   kSurface,
   kPlane,
+  kDisk,   ///< The Poincaré disk, in outlines: see shapes().
   kFront,  ///< The sphere from the positive first axis, the third one up.
   kBack,   ///< From the negative one.
 };
@@ -66,6 +68,9 @@ class MapPanels {
   /// scene's. pixel: what counts as one for the width of lines, in pixels of the picture.
   Scene scene(PanelKind kind, const RenderOptions& look, double pixel) const;
 
+  /// What is seen in a panel kDisk.
+  std::vector<Shape> shapes(int width, int height) const;
+
   /// True where edges leave room between them at this scale (pixels per unit of length).
   bool showsEdges(double scale) const;
   /// The circles of the boundary, of the plane.
@@ -80,6 +85,7 @@ class MapPanels {
   MapDrawing drawing_;
   Pattern pattern_;
   std::optional<FieldColors> field_;
+  std::optional<DiskTiling> tiling_;        ///< Of a map to the Poincaré disk.
   std::vector<CornerIndices> image_faces_;  ///< The corners of `mapped`.
   std::vector<Panel> panels_;
   std::vector<DrawnCircle> circles_;

@@ -41,6 +41,12 @@ Result<std::string> drawMapPng(const MapPanels& map, const PictureSize& size) {
   const PanelLayout layout = layOutPanels(size, static_cast<int>(map.panels().size()));
   std::vector<SheetCell> cells;
   for (const Panel& panel : map.panels()) {
+    if (panel.kind == PanelKind::kDisk) {
+      ASSIGN_OR_RETURN(Image image, drawShapes(map.shapes(layout.width, layout.height),
+                                               layout.width, layout.height));
+      cells.push_back({std::move(image), panel.title, panel.subtitle, false});
+      continue;
+    }
     const RenderOptions look = map.look(panel.kind, layout.width, layout.height);
     cells.push_back(
         {renderScene(map.scene(panel.kind, look, 1), look), panel.title, panel.subtitle, false});

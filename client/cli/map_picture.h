@@ -34,6 +34,9 @@ struct MapPicture {
 /// negative x axis, its third axis up. Pictures that leave less than 64 pixels for each have no
 /// words.
 ///
+/// Of a map to the Poincaré disk, the surface bears its cuts and closed geodesics; the disk shows
+/// the image's copies, the axes of generators and the geodesics (disk_tiling.h).
+///
 /// SVG: the image is drawn in outlines, of a sphere what is not hidden; the surface is an embedded
 /// raster, of twice the size up to 2048 pixels a side. The image is a raster too where outlines
 /// would take too much: a field on more than 30000 faces, cuts and boundaries of more than 60000

@@ -247,7 +247,9 @@ Result<std::string> drawMapSvg(const MapPanels& map, const PictureSize& size) {
     const Place place = {double(margin + column * (layout.width + margin)),
                          double((layout.words ? kSheetHeading : 0) + row * (layout.height + words)),
                          layout.width, layout.height};
-    if (needsRaster(map, panels[i].kind)) {
+    if (panels[i].kind == PanelKind::kDisk) {
+      addShapes(svg, map.shapes(place.width, place.height), place.x, place.y);
+    } else if (needsRaster(map, panels[i].kind)) {
       RETURN_IF_ERROR(addRaster(svg, map, panels[i].kind, place));
     } else {
       ImageOutlines(svg, map, panels[i].kind, place).draw();

@@ -317,7 +317,7 @@ std::vector<OptionSpec> parameterizeOptions() {
       {.names = "--to",
        .value = "TARGET",
        .help = "Where to",
-       .choices = {"sphere", "disk", "circle-domain", "rectangle", "flat"},
+       .choices = {"sphere", "disk", "circle-domain", "rectangle", "flat", "hyperbolic"},
        .required = true},
       {.names = "-o,--output",
        .value = "OUT.obj",
@@ -384,7 +384,11 @@ std::vector<CommandSpec> parameterizeCommands() {
            "metric that has the same angles, as far as a discrete one can, and is flat but for the "
            "cones that --cones names, cut open through them and laid out at the area of the "
            "surface; on a closed surface the curvatures of the cones must sum to 2 pi times its "
-           "Euler characteristic: 4 pi on a sphere; a torus needs none. OUT.obj keeps the "
+           "Euler characteristic: 4 pi on a sphere; a torus needs none. --to hyperbolic: a surface "
+           "with more handles or holes than those, cut open, into the Poincaré disk, by the metric "
+           "of curvature -1 for which its boundary is geodesic; the picture shows the copies "
+           "beside it, and the shortest closed geodesics there and on the surface. OUT.obj keeps "
+           "the "
            "vertices, "
            "the faces (polygons as fans) and the order of their corners, and has a texture point "
            "for each corner; on the sphere the vertices themselves move. Faces of other "
@@ -411,6 +415,7 @@ std::vector<CommandSpec> parameterizeCommands() {
                    "moduli parameterize face.obj --to rectangle --corners 0,40,80,120 --json\n"
                    "moduli parameterize plate.obj --to circle-domain -o circles.obj\n"
                    "moduli parameterize torus.ply --to flat -o flat.obj\n"
+                   "moduli parameterize pretzel.off --to hyperbolic --picture disk.svg\n"
                    "moduli parameterize bunny.obj --to flat --cones cones.txt -o bunny-uv.obj\n"
                    "moduli parameterize face.obj --to flat --boundary circle --json"}};
 }

@@ -117,6 +117,9 @@ std::string conformalLines(const v1::ConformalBlock& block) {
   if (block.length_spectrum_size() > 0) {
     text += line("geodesics", spectrumText(block.length_spectrum()));
   }
+  if (block.boundary_lengths_size() > 0) {
+    text += line("boundary", "geodesics of length " + spectrumText(block.boundary_lengths()));
+  }
   if (block.has_fenchel_nielsen()) {
     text += line("pants", "lengths " + spectrumText(block.fenchel_nielsen().lengths()));
     text += line("", "twists " + spectrumText(block.fenchel_nielsen().twists()));
@@ -203,10 +206,32 @@ std::string metricLine(const v1::ParameterizationCertificate& certificate) {
   if (certificate.has_convergence_rate()) {
     parts.push_back("each shrinks the error by " + brief(certificate.convergence_rate()));
   }
+  if (certificate.has_cycle_residual()) {
+    parts.push_back("turns around vertices to " + brief(certificate.cycle_residual()));
+  }
+  if (certificate.has_relation_residual()) {
+    parts.push_back("relation of the generators to " + brief(certificate.relation_residual()));
+  }
+  if (certificate.has_spectrum_complete_to()) {
+    parts.push_back("geodesics complete up to " + brief(certificate.spectrum_complete_to()));
+  }
   if (certificate.has_boundary_deviation()) {
     parts.push_back("boundary in place up to " + brief(certificate.boundary_deviation()));
   }
   return joinedLine("metric", parts);
+}
+
+std::string hyperbolicLines(const v1::HyperbolicDomain& domain) {
+  google::protobuf::RepeatedField<double> lengths;
+  for (const v1::ClosedGeodesic& geodesic : domain.geodesics()) lengths.Add(geodesic.length());
+  std::string text =
+      line("domain", "reaches " + brief(domain.radius()) + " from its centre, " +
+                         counted(domain.neighbours_size(), "neighbour", "neighbours"));
+  if (!lengths.empty()) text += line("geodesics", spectrumText(lengths));
+  if (domain.boundary_lengths_size() > 0) {
+    text += line("boundary", "geodesics of length " + spectrumText(domain.boundary_lengths()));
+  }
+  return text;
 }
 
 std::string domainLines(const v1::Parameterization& result) {
@@ -216,6 +241,7 @@ std::string domainLines(const v1::Parameterization& result) {
   }
   if (result.has_modulus()) text += line("modulus", brief(result.modulus()));
   text += circleLines(result.circles());
+  if (result.has_hyperbolic()) text += hyperbolicLines(result.hyperbolic());
   if (result.refined()) {
     text += line("refined", counted(result.added_vertices(), "vertex", "vertices") + " and " +
                                 counted(result.added_faces(), "face", "faces") + " added");
@@ -275,6 +301,9 @@ std::string signatureReport(const std::string& title, const v1::Signature& signa
   std::string text = title.empty() ? "" : safe(title) + "\n";
   text += topologyLines(signature.topology());
   if (signature.has_conformal()) text += conformalLines(signature.conformal());
+  if (signature.metric().laplace_spectrum_size() > 0) {
+    text += line("modes", spectrumText(signature.metric().laplace_spectrum()));
+  }
   if (signature.metric().conformal_factor_spectrum_size() > 0) {
     text += line("factor", spectrumText(signature.metric().conformal_factor_spectrum()));
   }
@@ -328,6 +357,60 @@ std::string searchReport(const v1::SearchResult& result) {
   std::string text = alignedTable({"#", "distance", "name", "label"}, rows);
   if (!result.exact()) text += "approximate: a nearer shape may have been missed\n";
   return text;
+}
+
+std::string evaluationReport(const std::string& title, const v1::Evaluation& evaluation,
+                             bool confusion) {
+  const auto row = [](const std::string& label, int members, const auto& scores) {
+    return std::vector<std::string>{label,
+                                    std::to_string(members),
+                                    brief(scores.nearest_neighbour()),
+                                    brief(scores.first_tier()),
+                                    brief(scores.second_tier()),
+                                    brief(scores.mean_average_precision()),
+                                    brief(scores.dcg())};
+  };
+  std::vector<std::vector<std::string>> rows = {row("all", evaluation.queries(), evaluation)};
+  for (const v1::Evaluation::PerClass& one : evaluation.per_class()) {
+    rows.push_back(row(safe(one.label()), one.members(), one));
+  }
+  std::string text = safe(title) + ", space " + v1::Signature::Space_Name(evaluation.space()) +
+                     "\n" +
+                     alignedTable({"label", "queries", "nearest", "first tier", "second tier",
+                                   "mean average precision", "gain"},
+                                  rows);
+  if (evaluation.without_numbers() > 0) {
+    text += counted(evaluation.without_numbers(), "labelled shape has", "labelled shapes have") +
+            " no numbers in this space\n";
+  }
+  if (evaluation.tied() > 0) {
+    text += counted(evaluation.tied(), "query has", "queries have") +
+            " right and wrong shapes at the same smallest distance\n";
+  }
+  if (!confusion) return text;
+  for (const v1::Evaluation::PerClass& one : evaluation.per_class()) {
+    // By label: the map has no order of its own.
+    std::vector<std::string> firsts;
+    for (const auto& [label, count] : one.nearest()) {
+      firsts.push_back((label.empty() ? "(none)" : safe(label)) + " " + std::to_string(count));
+    }
+    std::sort(firsts.begin(), firsts.end());
+    text += joinedLine(safe(one.label()), firsts);
+  }
+  return text;
+}
+
+std::string duplicatesReport(const std::string& title, const v1::Duplicates& duplicates) {
+  std::string text = safe(title) + ": " + counted(duplicates.clusters_size(), "group", "groups") +
+                     " among " + counted(duplicates.shapes(), "shape", "shapes") + "\n";
+  std::vector<std::vector<std::string>> rows;
+  for (const v1::DuplicateCluster& cluster : duplicates.clusters()) {
+    std::string names;
+    for (const std::string& name : cluster.names())
+      names += (names.empty() ? "" : ", ") + safe(name);
+    rows.push_back({std::to_string(cluster.names_size()), brief(cluster.linkage()), names});
+  }
+  return rows.empty() ? text : text + alignedTable({"shapes", "distance", "names"}, rows);
 }
 
 }  // namespace moduli::cli

@@ -17,5 +17,9 @@ std::string parameterizationReport(const std::string& title, const v1::Parameter
 std::string distancesReport(const v1::SignatureDistances& distances);
 std::string shapeReport(const v1::Shape& shape);
 std::string searchReport(const v1::SearchResult& result);
+/// confusion: with a row for each label, of those that came first for it.
+std::string evaluationReport(const std::string& title, const v1::Evaluation& evaluation,
+                             bool confusion);
+std::string duplicatesReport(const std::string& title, const v1::Duplicates& duplicates);
 
 }  // namespace moduli::cli

@@ -102,7 +102,27 @@ std::string removalJson(const std::vector<Removal>& removals, int removed) {
   return json.finish();
 }
 
+Status runRemoveByFilter(Session& session, const Arguments& arguments) {
+  const std::string collection = arguments.text("collection");
+  v1::BatchDeleteShapesRequest request;
+  request.set_parent(collectionName(collection));
+  request.set_filter(arguments.text("filter"));
+  request.set_validate_only(arguments.has("dry-run"));
+  ASSIGN_OR_RETURN(Client* const client, session.client(StoreNeed::kExisting));
+  const Result<v1::BatchDeleteShapesResponse> result = client->deleteShapes(request);
+  if (!result.ok()) return session.explain(collection, result.status());
+  if (session.json()) return session.printJson(*result);
+  if (!session.talks()) return {};
+  std::string text;
+  for (const std::string& name : result->names()) text += safe(name) + "\n";
+  if (result->names_size() < result->deleted_shapes()) text += "...\n";
+  return session.print(text + collection + ": " +
+                       counted(result->deleted_shapes(), "shape", "shapes") +
+                       (request.validate_only() ? " would be removed\n" : " removed\n"));
+}
+
 Status runRemove(Session& session, const Arguments& arguments) {
+  if (arguments.has("filter")) return runRemoveByFilter(session, arguments);
   const std::string collection = arguments.text("collection");
   ASSIGN_OR_RETURN(Client* const client, session.client(StoreNeed::kExisting));
   std::vector<Removal> removals;
@@ -166,6 +186,50 @@ Status runGet(Session& session, const Arguments& arguments) {
                        output + "\n");
 }
 
+std::optional<std::string> checkRemove(const Arguments& arguments) {
+  if (arguments.has("filter") == arguments.has("SHAPE")) {
+    return "what to remove is either named or said by --filter";
+  }
+  if (arguments.has("dry-run") && !arguments.has("filter")) return "--dry-run is for --filter";
+  return std::nullopt;
+}
+
+Status runEdit(Session& session, const Arguments& arguments) {
+  const std::string collection = arguments.text("collection"), shape = arguments.text("SHAPE");
+  v1::UpdateShapeRequest request;
+  request.mutable_shape()->set_name(shapeName(collection, shape));
+  request.set_new_shape_id(arguments.text("rename"));
+  if (arguments.has("label")) {
+    request.mutable_shape()->set_label(arguments.text("label"));
+    request.mutable_update_mask()->add_paths("label");
+  }
+  ASSIGN_OR_RETURN(Client* const client, session.client(StoreNeed::kExisting));
+  if (arguments.has("tag") || arguments.has("untag")) {
+    // Tags go as a whole: those that are there, with what is said of them.
+    const Result<v1::Shape> now = client->getShape(request.shape().name());
+    if (!now.ok()) return session.explain(shape, now.status());
+    auto& tags = *request.mutable_shape()->mutable_tags();
+    tags = now->tags();
+    for (const std::string& key : arguments.all("untag")) tags.erase(key);
+    for (const std::string& word : arguments.all("tag")) {
+      const std::size_t sign = word.find('=');
+      tags[word.substr(0, sign)] = word.substr(sign + 1);
+    }
+    request.mutable_update_mask()->add_paths("tags");
+  }
+  const Result<v1::Shape> result = client->updateShape(request);
+  if (!result.ok()) return session.explain(shape, result.status());
+  if (session.json()) return session.printJson(*result);
+  return session.quiet() ? Status() : session.print(shapeReport(*result));
+}
+
+std::optional<std::string> checkEdit(const Arguments& arguments) {
+  for (const char* key : {"rename", "label", "tag", "untag"}) {
+    if (arguments.has(key)) return std::nullopt;
+  }
+  return "nothing to change is given: --rename, --label, --tag or --untag";
+}
+
 std::optional<std::string> checkGet(const Arguments& arguments) {
   if (arguments.text("SHAPE").find('/') == std::string::npos) return std::nullopt;
   return "SHAPE is a name within the collection, without '/'";
@@ -202,10 +266,43 @@ std::vector<CommandSpec> shapeCommands() {
        .run = runShow},
       {.path = "remove",
        .summary = "Remove shapes from a collection",
-       .details = "One that cannot be removed does not stop the others.",
-       .arguments = {shapeArgument(-1)},
-       .options = {collectionOption()},
-       .run = runRemove},
+       .details = "One that cannot be removed does not stop the others. With --filter all for "
+                  "which it holds go in one step.",
+       .arguments = {[] {
+         ArgumentSpec shapes = shapeArgument(-1);
+         shapes.min = 0;
+         return shapes;
+       }()},
+       .options = {collectionOption(),
+                   {.names = "--filter",
+                    .value = "EXPR",
+                    .help = "Remove all shapes for which this holds, as in 'label = \"cup\"'"},
+                   {.names = "--dry-run",
+                    .value = "",
+                    .help = "Only tell which shapes --filter would remove"}},
+       .check = checkRemove,
+       .run = runRemove,
+       .examples = "moduli remove -c demo kitten\n"
+                   "moduli remove -c demo --filter 'genus > 3' --dry-run"},
+      {.path = "edit",
+       .summary = "Change the name, label or tags of a stored shape",
+       .details = "Its file and signature stay.",
+       .arguments = {shapeArgument(1)},
+       .options = {collectionOption(),
+                   {.names = "--rename", .value = "NAME", .help = "Another name"},
+                   {.names = "--label", .value = "LABEL", .help = "Another label; '' for none"},
+                   {.names = "--tag",
+                    .value = "KEY=VALUE",
+                    .help = "Set a tag; may be repeated",
+                    .check = isKeyValue,
+                    .repeated = true},
+                   {.names = "--untag",
+                    .value = "KEY",
+                    .help = "Drop a tag; may be repeated",
+                    .repeated = true}},
+       .check = checkEdit,
+       .run = runEdit,
+       .examples = "moduli edit -c demo kitten --label cat --tag year=2020"},
       {.path = "get",
        .summary = "Get the file of a stored shape back",
        .details = "The very bytes that were added. The file goes under its old name into the "

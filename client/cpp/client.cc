@@ -109,6 +109,30 @@ Result<v1::SearchResult> Client::search(const v1::SearchShapesRequest& request) 
   return result;
 }
 
+Result<v1::Evaluation> Client::evaluate(const v1::EvaluateCollectionRequest& request) {
+  v1::Evaluation result;
+  RETURN_IF_ERROR(impl_->runner.run(true, [&](grpc::ClientContext& context) {
+    const auto reader = impl_->catalog->EvaluateCollection(&context, request);
+    return readEvents<v1::EvaluateCollectionResponse>(impl_->runner, *reader, [&](auto& response) {
+      if (response.has_evaluation()) result.Swap(response.mutable_evaluation());
+      return true;
+    });
+  }));
+  return result;
+}
+
+Result<v1::Duplicates> Client::findDuplicates(const v1::FindDuplicatesRequest& request) {
+  v1::Duplicates result;
+  RETURN_IF_ERROR(impl_->runner.run(true, [&](grpc::ClientContext& context) {
+    const auto reader = impl_->catalog->FindDuplicates(&context, request);
+    return readEvents<v1::FindDuplicatesResponse>(impl_->runner, *reader, [&](auto& response) {
+      if (response.has_duplicates()) result.Swap(response.mutable_duplicates());
+      return true;
+    });
+  }));
+  return result;
+}
+
 Result<v1::Collection> Client::createCollection(const std::string& id) {
   v1::CreateCollectionRequest request;
   request.set_collection_id(id);
@@ -176,6 +200,18 @@ Status Client::deleteShape(const std::string& name) {
       ->unary<v1::DeleteShapeResponse>(false, *impl_->catalog,
                                        &v1::CatalogService::Stub::DeleteShape, request)
       .status();
+}
+
+Result<v1::BatchDeleteShapesResponse> Client::deleteShapes(
+    const v1::BatchDeleteShapesRequest& request) {
+  return impl_->unary<v1::BatchDeleteShapesResponse>(request.validate_only(), *impl_->catalog,
+                                                     &v1::CatalogService::Stub::BatchDeleteShapes,
+                                                     request);
+}
+
+Result<v1::Shape> Client::updateShape(const v1::UpdateShapeRequest& request) {
+  return impl_->unary<v1::Shape>(request.new_shape_id().empty(), *impl_->catalog,
+                                 &v1::CatalogService::Stub::UpdateShape, request);
 }
 
 Result<Client::DownloadHeader> Client::download(

@@ -80,6 +80,8 @@ class Client {
   Result<v1::Shape> getShape(const std::string& name);
   Pager<v1::Shape> listShapes(const std::string& collection, const std::string& filter);
   Status deleteShape(const std::string& name);
+  Result<v1::BatchDeleteShapesResponse> deleteShapes(const v1::BatchDeleteShapesRequest& request);
+  Result<v1::Shape> updateShape(const v1::UpdateShapeRequest& request);
 
   /// What download() says of the file before its first bytes.
   struct DownloadHeader {
@@ -93,6 +95,8 @@ class Client {
                                   const std::function<Status(std::string_view)>& sink);
 
   Result<v1::SearchResult> search(const v1::SearchShapesRequest& request);
+  Result<v1::Evaluation> evaluate(const v1::EvaluateCollectionRequest& request);
+  Result<v1::Duplicates> findDuplicates(const v1::FindDuplicatesRequest& request);
 
   /// Signs and stores many files; see ingest.h.
   Status ingest(const IngestOptions& options, const IngestSource& next,

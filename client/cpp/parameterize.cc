@@ -48,6 +48,7 @@ Result<ParameterizedMesh> Client::parameterize(const v1::ParameterizeRequest& re
     ASSIGN_OR_RETURN(mesh, answer.arrays.finish());
   }
   mesh.result = *std::move(answer.result);
+  if (!request.omit_arrays()) RETURN_IF_ERROR(checkGeodesics(mesh));
   return mesh;
 }
 

@@ -19,12 +19,13 @@ struct ArrayKind {
   std::int32_t columns;
   std::size_t number_size;
 };
-constexpr std::array<ArrayKind, 5> kKinds = {{{"POSITIONS", 3, sizeof(double)},
+constexpr std::array<ArrayKind, 6> kKinds = {{{"POSITIONS", 3, sizeof(double)},
                                               {"FACES", 3, sizeof(std::int32_t)},
                                               {"POINTS", 2, sizeof(double)},
                                               {"CORNERS", 3, sizeof(std::int32_t)},
-                                              {"CARRIED", 1, sizeof(double)}}};
-constexpr std::size_t kCarried = 4;  // The one that may be missing.
+                                              {"CARRIED", 1, sizeof(double)},
+                                              {"GEODESICS", 7, sizeof(double)}}};
+constexpr std::size_t kFirstOptional = 4;  // From here on they may be missing.
 
 // In bytes; at most 2^31 x 3 x 8.
 std::uint64_t sizeOf(const ArrayKind& kind, std::int32_t rows) {
@@ -65,7 +66,7 @@ bool isWhole(const std::vector<std::int32_t>& corners) {
 }  // namespace
 
 Status ArrayAssembler::take(const v1::ArrayChunk& chunk) {
-  if (chunk.array() < v1::ArrayChunk::POSITIONS || chunk.array() > v1::ArrayChunk::CARRIED) {
+  if (chunk.array() < v1::ArrayChunk::POSITIONS || chunk.array() > v1::ArrayChunk::GEODESICS) {
     return broken(std::to_string(chunk.array()), "is none that this client knows");
   }
   const auto which = static_cast<std::size_t>(chunk.array() - v1::ArrayChunk::POSITIONS);
@@ -100,6 +101,9 @@ Status ArrayAssembler::take(const v1::ArrayChunk& chunk) {
     case v1::ArrayChunk::CORNERS:
       append(chunk.data(), mesh_.corners);
       break;
+    case v1::ArrayChunk::GEODESICS:
+      append(chunk.data(), mesh_.geodesics);
+      break;
     default:
       append(chunk.data(), mesh_.carried);
   }
@@ -109,7 +113,7 @@ Status ArrayAssembler::take(const v1::ArrayChunk& chunk) {
 Result<ParameterizedMesh> ArrayAssembler::finish() {
   for (std::size_t i = 0; i < kArrays; ++i) {
     const State& state = states_[i];
-    if (state.rows < 0 && i == kCarried) continue;
+    if (state.rows < 0 && i >= kFirstOptional) continue;
     if (state.rows < 0) return broken(kKinds[i].name, "is missing");
     const std::uint64_t whole = sizeOf(kKinds[i], state.rows);
     if (state.received != whole) {
@@ -135,7 +139,19 @@ Result<ParameterizedMesh> ArrayAssembler::finish() {
   }
   if (!areFinite(mesh_.points)) return broken("POINTS", "has a number that is not finite");
   if (!areFinite(mesh_.carried)) return broken("CARRIED", "has a number that is not finite");
+  if (!areFinite(mesh_.geodesics)) return broken("GEODESICS", "has a number that is not finite");
   return std::move(mesh_);
+}
+
+Status checkGeodesics(const ParameterizedMesh& mesh) {
+  const auto rows = static_cast<std::int64_t>(mesh.geodesics.size() / 7);
+  for (const v1::ClosedGeodesic& geodesic : mesh.result.hyperbolic().geodesics()) {
+    const std::int64_t first = geodesic.first_point(), points = geodesic.points();
+    if (first < 0 || points < 1 || first + points > rows) {
+      return broken("GEODESICS", "has not the points that the result names");
+    }
+  }
+  return {};
 }
 
 }  // namespace moduli

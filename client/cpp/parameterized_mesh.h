@@ -20,6 +20,8 @@ struct ParameterizedMesh {
   std::vector<std::int32_t> corners;  ///< Three points of every face; -1 where it is not mapped.
   /// Per vertex of the input the field of the reference; empty where there is none.
   std::vector<double> carried;
+  /// Seven numbers of every point of the closed geodesics of a hyperbolic domain (ArrayChunk).
+  std::vector<double> geodesics;
 };
 
 /// Puts the arrays of a parameterization together from their chunks. Trusts no server: shapes,
@@ -30,9 +32,11 @@ class ArrayAssembler {
   /// Fails with kInternal, naming the array, on a chunk that does not fit those before it.
   Status take(const v1::ArrayChunk& chunk);
 
-  /// The arrays, without their result. Fails with kInternal where one is missing (CARRIED may be)
+  /// The arrays, without their result. Fails with kInternal where one is missing (CARRIED and
+  /// GEODESICS may be)
   /// or incomplete, where the shapes do not fit each other, on an index out of range, a face that
-  /// is mapped in part, and a point or a carried value that is not finite.
+  /// is mapped in part, and a number of the others that is not
+  /// finite.
   Result<ParameterizedMesh> finish();
 
  private:
@@ -41,10 +45,14 @@ class ArrayAssembler {
     std::int32_t rows = -1;  ///< -1: nothing has come yet.
     std::uint64_t received = 0;
   };
-  static constexpr std::size_t kArrays = 5;
+  static constexpr std::size_t kArrays = 6;
 
   std::array<State, kArrays> states_;
   ParameterizedMesh mesh_;
 };
+
+/// Fails with kInternal where a geodesic of the result has points that are not there. mesh: with
+/// its arrays.
+Status checkGeodesics(const ParameterizedMesh& mesh);
 
 }  // namespace moduli

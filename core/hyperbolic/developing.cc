@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <queue>
 #include <string>
 #include <utility>
+
+#include "core/hyperbolic/central_face.h"
 
 namespace moduli {
 namespace {
@@ -53,6 +54,7 @@ std::vector<Su11> crossings(const HyperbolicTriangles& triangles) {
   for (Index e = 0; e < surface.edgeCount(); ++e) {
     const Index h = surface.halfedge(e);
     const Index twin = surface.twin(h);
+    if (twin == kNone) continue;
     crossing[h] = renormalized(cornerFrame(triangles, h) * edgeHalfTurn(triangles.lengths[h]) *
                                inverse(cornerFrame(triangles, twin)));
     crossing[twin] = inverse(crossing[h]);
@@ -80,35 +82,32 @@ Su11 centre(const HyperbolicTriangles& triangles, Index f) {
 /// Puts faces into the disk, nearest first.
 class Layout {
  public:
-  Layout(const HyperbolicTriangles& triangles, const std::vector<Su11>& crossing)
-      : surface_(triangles.surface), crossing_(crossing) {
-    for (Index f = 0; f < surface_.faceCount(); ++f) centre_.push_back(centre(triangles, f));
+  Layout(const Connectivity& surface, const std::vector<Su11>& crossing,
+         const std::vector<Su11>& centre)
+      : surface_(surface), crossing_(crossing), centre_(centre) {
+    placed_.resize(surface.faceCount());
+    entry_.assign(surface.faceCount(), kNone);
+    distance_.assign(surface.faceCount(), -1.0);
   }
 
-  struct Placement {
-    std::vector<Su11> placed;
-    std::vector<Index> entry;
-    std::vector<double> distance;  ///< Per face, of its centre.
-    Index farthest = 0;
-  };
-
-  Placement from(Index root) const {
-    Placement result;
-    result.placed.resize(surface_.faceCount());
-    result.entry.assign(surface_.faceCount(), kNone);
-    result.distance.assign(surface_.faceCount(), -1.0);
-    Queue queue;
-    place(result, queue, root, inverse(centre_[root]));
-    while (!queue.empty()) {
-      const Candidate next = queue.top();
-      queue.pop();
+  void from(Index root) {
+    place(root, inverse(centre_[root]));
+    while (!queue_.empty()) {
+      const Candidate next = queue_.top();
+      queue_.pop();
       const Index f = Connectivity::faceOf(next.entry);
-      if (result.distance[f] >= 0) continue;
+      if (distance_[f] >= 0) continue;
       const Index behind = surface_.twin(next.entry);
-      result.entry[f] = next.entry;
-      place(result, queue, f, result.placed[Connectivity::faceOf(behind)] * crossing_[behind]);
+      entry_[f] = next.entry;
+      place(f, placed_[Connectivity::faceOf(behind)] * crossing_[behind]);
     }
-    return result;
+  }
+
+  void moveTo(Development& development) {
+    development.placed = std::move(placed_);
+    development.entry = std::move(entry_);
+    const double farthest = *std::max_element(distance_.begin(), distance_.end());
+    development.certificate.radius = 2 * std::asinh(std::sqrt(farthest));
   }
 
  private:
@@ -119,64 +118,35 @@ class Layout {
       return distance != other.distance ? distance > other.distance : entry > other.entry;
     }
   };
-  using Queue = std::priority_queue<Candidate>;
 
-  void place(Placement& result, Queue& queue, Index f, const Su11& frame) const {
-    result.placed[f] = renormalized(frame);
-    result.distance[f] = displacement(result.placed[f] * centre_[f]);
-    if (result.distance[f] > result.distance[result.farthest]) result.farthest = f;
+  void place(Index f, const Su11& frame) {
+    placed_[f] = renormalized(frame);
+    distance_[f] = distanceOf(placed_[f], f);
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       const Index entry = surface_.twin(h);
+      if (entry == kNone) continue;
       const Index g = Connectivity::faceOf(entry);
-      if (result.distance[g] >= 0) continue;
-      queue.push({displacement(result.placed[f] * crossing_[h] * centre_[g]), entry});
+      if (distance_[g] < 0) queue_.push({distanceOf(placed_[f] * crossing_[h], g), entry});
     }
+  }
+
+  double distanceOf(const Su11& frame, Index f) const {
+    return std::norm(frame.a * centre_[f].b + frame.b * std::conj(centre_[f].a));
   }
 
   const Connectivity& surface_;
   const std::vector<Su11>& crossing_;
-  std::vector<Su11> centre_;
+  const std::vector<Su11>& centre_;
+  std::vector<Su11> placed_;
+  std::vector<Index> entry_;
+  std::vector<double> distance_;  ///< Per face sinh(d / 2)^2 of its centre's distance d from 0.
+  std::priority_queue<Candidate> queue_;
 };
-
-double radiusOf(const Layout::Placement& result) {
-  return result.distance[result.farthest];
-}
-
-/// The layout of the candidate with the smallest radius.
-Result<std::pair<Index, Layout::Placement>> layoutFromTheMiddle(Context& context,
-                                                                const Layout& layout,
-                                                                int candidates) {
-  std::pair<Index, Layout::Placement> best{0, layout.from(0)};
-  std::vector<double> nearest = best.second.distance;  // To the candidates so far.
-  std::vector<double> farthest = nearest;
-  const auto consider = [&](Index root) {
-    Layout::Placement result = layout.from(root);
-    for (std::size_t f = 0; f < nearest.size(); ++f) {
-      nearest[f] = std::min(nearest[f], result.distance[f]);
-      farthest[f] = std::max(farthest[f], result.distance[f]);
-    }
-    if (radiusOf(result) < radiusOf(best.second)) best = {root, std::move(result)};
-  };
-  for (int k = 1; k < candidates; ++k) {
-    RETURN_IF_ERROR(context.check());
-    // Far from all at first: their distances bound everyone's radius from below. Then the lowest
-    // bound wins.
-    const bool explore = k <= candidates / 2;
-    const auto at = explore ? std::max_element(nearest.begin(), nearest.end())
-                            : std::min_element(farthest.begin(), farthest.end());
-    const Index root = static_cast<Index>(explore ? at - nearest.begin() : at - farthest.begin());
-    consider(root);
-    if (!explore) {
-      // Not twice.
-      farthest[root] = std::numeric_limits<double>::infinity();
-    }
-  }
-  return best;
-}
 
 double vertexResidual(const Connectivity& surface, const std::vector<Su11>& crossing) {
   double worst = 0;
   for (Index v = 0; v < surface.vertexCount(); ++v) {
+    if (surface.isBoundaryVertex(v)) continue;
     Su11 product;
     const Index first = surface.outgoing(v);
     Index h = first;
@@ -247,18 +217,17 @@ Result<Development> develop(Context& context, const HyperbolicTriangles& triangl
   const Context::Stage stage(context, "develop");
   Development development;
   development.crossing = crossings(triangles);
-  const Layout layout(triangles, development.crossing);
-  std::pair<Index, Layout::Placement> found;
+  std::vector<Su11> centres;
+  for (Index f = 0; f < triangles.surface.faceCount(); ++f) centres.push_back(centre(triangles, f));
+  development.root = options.root;
   if (options.root == kNone) {
-    ASSIGN_OR_RETURN(found, layoutFromTheMiddle(context, layout, options.candidates));
-  } else {
-    found = {options.root, layout.from(options.root)};
+    ASSIGN_OR_RETURN(development.root, findCentralFace(context, triangles, development.crossing,
+                                                       centres, options.candidates));
   }
-  development.root = found.first;
+  Layout layout(triangles.surface, development.crossing, centres);
+  layout.from(development.root);
+  layout.moveTo(development);
   DevelopmentCertificate& certificate = development.certificate;
-  certificate.radius = radiusOf(found.second);
-  development.placed = std::move(found.second.placed);
-  development.entry = std::move(found.second.entry);
   for (const Su11& g : development.crossing) {
     certificate.determinant_drift =
         std::max(certificate.determinant_drift, std::abs(determinantDrift(g)));

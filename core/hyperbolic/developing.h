@@ -8,7 +8,7 @@
 #include "core/intrinsic/intrinsic_surface.h"
 #include "core/ricci/discrete_metric.h"
 
-/// Laying out a closed hyperbolic surface face by face in its universal cover, the disk.
+/// Laying out a hyperbolic surface face by face in its universal cover, the disk.
 ///
 ///   ASSIGN_OR_RETURN(const HyperbolicTriangles triangles, hyperbolicTriangles(metric));
 ///   ASSIGN_OR_RETURN(const Development development, develop(context, triangles));
@@ -21,7 +21,8 @@
 /// far out in the disk, which doubles cannot tell apart, occur nowhere. Source: MATH 7.1, 7.2.
 namespace moduli {
 
-/// A closed surface made of hyperbolic triangles, its vertices without cones.
+/// A surface made of hyperbolic triangles, its vertices without cones; closed, but for develop()
+/// and holonomy().
 struct HyperbolicTriangles {
   Connectivity surface;
   std::vector<double> lengths;  ///< Per halfedge.
@@ -51,7 +52,7 @@ struct DevelopmentCertificate {
 
 struct Development {
   /// Per halfedge h: from the coordinates of the face beyond h to those of the face of h. Exact
-  /// inverses for twins.
+  /// inverses for twins; the identity on the boundary.
   std::vector<Su11> crossing;
   std::vector<Su11> placed;  ///< Per face: from its coordinates to the disk.
   std::vector<Index> entry;  ///< Per face the halfedge of it through which the layout came.
@@ -60,15 +61,14 @@ struct Development {
 };
 
 struct DevelopOptions {
-  Index root = kNone;  ///< kNone: a face from which the others are not far, of `candidates`.
-  int candidates = 24;
+  Index root = kNone;   ///< kNone: a face from which the others are not far.
+  int candidates = 24;  ///< That are tried then.
 };
 
 /// Lays out the surface from the root in the order of the distances of the faces' centres in the
 /// disk: nearly the Dirichlet domain of the root, so that nothing is put further away than it must
-/// be. Candidates for the root: face 0, then each the farthest from those before, and at last the
-/// middles of what the best of them sees. Fails with kResidualTooLarge where a residual is 1e-6
-/// or more, and as the context does. O(candidates F log F).
+/// be. The root is that of findCentralFace. Fails with kResidualTooLarge where a residual is 1e-6
+/// or more, and as the context does. O(F log F).
 Result<Development> develop(Context& context, const HyperbolicTriangles& triangles,
                             const DevelopOptions& options = {});
 

@@ -23,15 +23,6 @@ std::vector<Su11> generatorsOf(const std::vector<GroupHandle>& handles) {
   return generators;
 }
 
-/// From +1, not from +-1.
-double distanceFromOne(const std::vector<Su11>& generators) {
-  std::vector<WideSu11> letters;
-  for (const Su11& g : generators) letters.push_back(widened(g));
-  const Word relation = canonicalRelation(generators.size() / 2);
-  if (evaluate(letters, relation).a.real() < 0) return 2;
-  return relationResidual(letters, relation);
-}
-
 Status check(const FuchsianCertificate& certificate) {
   if (!(certificate.shortest_generator > 0)) {
     return {Reason::kResidualTooLarge, "a generator of the group has no axis"};
@@ -53,17 +44,25 @@ std::vector<int> canonicalRelation(std::size_t genus) {
   return word;
 }
 
+double canonicalRelationResidual(const std::vector<Su11>& generators) {
+  std::vector<WideSu11> letters;
+  for (const Su11& g : generators) letters.push_back(widened(g));
+  const Word relation = canonicalRelation(generators.size() / 2);
+  if (evaluate(letters, relation).a.real() < 0) return 2;
+  return relationResidual(letters, relation);
+}
+
 Result<FuchsianGroup> computeFuchsianGroup(Context& context, const HyperbolicTriangles& triangles,
                                            const Development& development) {
   const Context::Stage stage(context, "group");
   const SidePairings pairings = findSidePairings(triangles.surface, development);
   ASSIGN_OR_RETURN(const RelationCorrection corrected,
                    correctRelation(pairings.letters, pairings.relation));
-  ASSIGN_OR_RETURN(const std::vector<GroupHandle> handles,
+  ASSIGN_OR_RETURN(const ShortHandles found,
                    findShortHandles(context, corrected.letters, pairings.relation));
-  FuchsianGroup group{generatorsOf(handles), {}};
+  FuchsianGroup group{rounded(found.base), generatorsOf(found.handles), {}};
   FuchsianCertificate& certificate = group.certificate;
-  certificate.relation_residual = distanceFromOne(group.generators);
+  certificate.relation_residual = canonicalRelationResidual(group.generators);
   certificate.moved = corrected.moved;
   certificate.residual_before_moving = corrected.residual_before;
   certificate.development = development.certificate;

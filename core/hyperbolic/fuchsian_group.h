@@ -27,8 +27,11 @@ struct FuchsianCertificate {
   DevelopmentCertificate development;
 };
 
-/// A surface's group in SU(1, 1), up to conjugation.
+/// A surface's group in SU(1, 1).
 struct FuchsianGroup {
+  /// From the coordinates of the generators to those of the layout, where X is base X base^-1: 0
+  /// is moved to where the generators move it least.
+  Su11 base;
   /// A_1, B_1, .. A_g, B_g with A_1 B_1^-1 A_1^-1 B_1 .. A_g B_g^-1 A_g^-1 B_g = +1: as the side
   /// pairings of a polygon whose sides are a_1, b_1, a_1^-1, b_1^-1, a_2, .. counter-clockwise, A_k
   /// from a_k^-1 to a_k and B_k from b_k^-1 to b_k. In homology A_k . B_k = +1.
@@ -38,6 +41,10 @@ struct FuchsianGroup {
 
 /// The word of the relation in letters +-1 .. +-2 g for A_1, B_1, ..: 1, -2, -1, 2, 3, ..
 std::vector<int> canonicalRelation(std::size_t genus);
+
+/// How far prod [A_k, B_k^-1] of generators A_1, B_1, .. is from +1, entry by entry, as they are
+/// rounded; about 2 where it is near -1. Grows with their displacements, not with the product's.
+double canonicalRelationResidual(const std::vector<Su11>& generators);
 
 /// The group of a surface that is laid out by develop(): side pairings moved to satisfy their
 /// relation, canonical generators split off and shortened in 113 bits, and rounded. The sign is +1

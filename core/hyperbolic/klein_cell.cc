@@ -19,25 +19,13 @@ Complex narrow(const KleinPoint& z) {
 /// log(4 / l) and more.
 Real sliverAt(const KleinPoint& corner) {
   const Real height = 1 - std::norm(corner);
-  return height > 2.5e-5L ? 1e-12L : std::max(1.6e-3L * height * height, 3e-19L);
-}
-
-/// Whether the bisector of 0 and g(0) may come near a corner, in doubles.
-bool maySee(const KleinCell& cell, const Su11& g) {
-  constexpr double kRounding = 1e-15;
-  const Complex image = g.b / std::conj(g.a);
-  const double height = std::abs(image);
-  if (height > cell.reach + kRounding) return false;
-  const Complex direction = image / height;
-  return std::any_of(cell.rough.begin(), cell.rough.end(), [&](const Complex& k) {
-    return direction.real() * k.real() + direction.imag() * k.imag() > height - kRounding;
-  });
+  return std::clamp(1.6e-3L * height * height, 3e-19L, 1e-12L);
 }
 
 /// Per corner how much nearer it is to g(0) than to 0: Re(conj(u) k) - |w| for the image w of 0 in
 /// the direction u. Empty where none is, or no more than a sliver.
 std::vector<Real> aboveBisector(const KleinCell& cell, const WideSu11& map, const Su11& shape) {
-  if (!maySee(cell, shape)) return {};
+  if (!mayCutOff(cell, shape, 1e-15)) return {};
   const auto real = [](const WideComplex& z) {
     return KleinPoint(static_cast<Real>(z.real()), static_cast<Real>(z.imag()));
   };
@@ -63,6 +51,17 @@ KleinCell::KleinCell(std::vector<KleinPoint> corners, std::vector<int> sides)
     rough.push_back(narrow(k));
     reach = std::max(reach, std::abs(rough.back()));
   }
+}
+
+bool mayCutOff(const KleinCell& cell, const Su11& g, double rounding) {
+  const double b = std::sqrt(std::norm(g.b));
+  const double a = std::sqrt(std::norm(g.a));
+  const double height = b / a - rounding;
+  if (height > cell.reach) return false;
+  const Complex direction = g.b * g.a / (a * b);
+  return std::any_of(cell.rough.begin(), cell.rough.end(), [&](const Complex& k) {
+    return direction.real() * k.real() + direction.imag() * k.imag() > height;
+  });
 }
 
 bool cutsOff(const KleinCell& cell, const WideSu11& map, const Su11& shape) {

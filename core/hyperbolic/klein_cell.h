@@ -29,6 +29,9 @@ struct KleinCell {
 /// of 1e-12 in Klein's model up to distance 6, less beyond. shape: `map` in doubles. O(n).
 bool cutsOff(const KleinCell& cell, const WideSu11& map, const Su11& shape);
 
+/// Whether it may, as far as doubles tell. rounding: of the entries of g over |g.a|. O(n).
+bool mayCutOff(const KleinCell& cell, const Su11& g, double rounding);
+
 /// Cuts these off, if any, along a side of that label. O(n).
 void cutOff(KleinCell& cell, const WideSu11& map, const Su11& shape, int label);
 

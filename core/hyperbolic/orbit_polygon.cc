@@ -133,59 +133,87 @@ class Turner {
   double length_;
 };
 
-/// The neighbours, those of their products whose bisectors come nearer than `reach` (in Klein's
-/// model), what remains of the generators, and what powers of short neighbours make of all these.
+/// Whether descend leads to 1, as far as doubles tell.
+bool descendsToUnit(Su11 g, const Elements& neighbours) {
+  constexpr double kLargest = 1e5;  // Its products are right to 1e-16 kLargest^2.
+  if (std::abs(g.b) > kLargest) return false;
+  for (bool nearer = true; nearer;) {
+    nearer = false;
+    Su11 best = g;
+    for (const WideElement& s : neighbours) {
+      const Su11 product = s.shape * g;
+      if (std::norm(product.b) >= std::norm(best.b)) continue;
+      best = product;
+      nearer = true;
+    }
+    g = best;
+  }
+  return std::abs(g.b) < kSamePoint;
+}
+
+/// The neighbours, and those that cut their cell of their products, of what remains of the
+/// generators, and of what powers of short neighbours make of all these. Nothing else can be a
+/// side: the cell only gets smaller.
 class Growth {
  public:
-  Growth(const Elements& neighbours, double reach) : neighbours_(neighbours), reach_(reach) {
+  Growth(const KleinCell& cell, const Elements& neighbours)
+      : cell_(cell), neighbours_(neighbours), result_(neighbours) {
     for (const WideElement& g : neighbours)
       if (translationLength(g.shape) < kShort) turners_.emplace_back(g);
   }
 
   Result<Elements> run(const Elements& generators) {
-    for (const WideElement& g : neighbours_) {
-      result_.push_back(g);
-      RETURN_IF_ERROR(addTurned(g.shape, [&g] { return g; }));
-    }
+    for (const WideElement& g : neighbours_)
+      RETURN_IF_ERROR(addTurned(g.shape, sizeOf(g), [&g] { return g; }));
     for (const WideElement& generator : generators) {
+      if (turners_.empty() && descendsToUnit(generator.shape, neighbours_)) continue;
       const WideElement rest = descend(generator, neighbours_);
       for (const WideElement& g : {rest, inverseOf(rest)}) {
         RETURN_IF_ERROR(add(g));
-        RETURN_IF_ERROR(addTurned(g.shape, [&g] { return g; }));
+        RETURN_IF_ERROR(addTurned(g.shape, sizeOf(g), [&g] { return g; }));
       }
     }
     for (const WideElement& g : neighbours_) {
       for (const WideElement& h : neighbours_) {
         const Su11 shape = g.shape * h.shape;
+        const double size = sizeOf(g) * sizeOf(h);
         const auto product = [&] { return productOf(g, h); };
-        if (comesNear(shape)) RETURN_IF_ERROR(add(product()));
-        RETURN_IF_ERROR(addTurned(shape, product));
+        if (mayCut(shape, size)) RETURN_IF_ERROR(add(product()));
+        RETURN_IF_ERROR(addTurned(shape, size, product));
       }
     }
     return std::move(result_);
   }
 
  private:
-  bool comesNear(const Su11& g) const { return std::abs(g.b) <= reach_ * std::abs(g.a); }
+  static double sizeOf(const WideElement& g) { return std::sqrt(std::norm(g.shape.a)); }
+
+  /// size: the product of those of the factors, which rounding is of.
+  bool mayCut(const Su11& g, double size) const {
+    return mayCutOff(cell_, g, 1e-15 * (1 + size / std::sqrt(std::norm(g.a))));
+  }
 
   Status add(WideElement g) {
     RETURN_IF_ERROR(needTranslation(g.shape));
-    if (std::abs(g.shape.b) > kSamePoint) result_.push_back(std::move(g));
+    if (std::abs(g.shape.b) > kSamePoint && cutsOff(cell_, g.map, g.shape))
+      result_.push_back(std::move(g));
     return {};
   }
 
   template <typename Make>
-  Status addTurned(const Su11& shape, const Make& make) {
+  Status addTurned(const Su11& shape, double size, const Make& make) {
     for (const Turner& turner : turners_) {
       const int turns = turner.turnsOf(shape);
-      if (std::abs(turns) > 1 && comesNear(turner.turned(shape, turns)))
-        RETURN_IF_ERROR(add(turner.turned(make(), turns)));
+      if (std::abs(turns) < 2) continue;
+      const Su11 turned = turner.turned(shape, turns);
+      const double power = std::sqrt(std::norm(turned.a)) + size;
+      if (mayCut(turned, size * power)) RETURN_IF_ERROR(add(turner.turned(make(), turns)));
     }
     return {};
   }
 
+  const KleinCell& cell_;
   const Elements& neighbours_;
-  double reach_;
   std::vector<Turner> turners_;
   Elements result_;
 };
@@ -240,17 +268,15 @@ Result<Domain> closeDomain(Context& context, Elements elements, int genus) {
     // Whole sides in the middle of a collar are smaller than the rounding of the area.
     const bool far = cell.reach > kFar;
     if (closed && !far && (excess < kAreaReached || stays)) return domain();
-    reach = cell.reach * (1 + 1e-9);
-    Result<Elements> grown = Growth(neighbours, reach).run(generators);
+    reach = cell.reach;
+    const std::size_t sides = neighbours.size();
+    Result<Elements> grown = Growth(cell, neighbours).run(generators);
     if (!grown.ok() || (excess < 0 && !closed)) {
       RETURN_IF_ERROR(collarTooLong(generators, reach));
       return grown.ok() ? tooSmall(excess, genus) : grown.status();
     }
     elements = *std::move(grown);
-    const bool cuts = std::any_of(elements.begin(), elements.end(), [&cell](const WideElement& g) {
-      return cutsOff(cell, g.map, g.shape);
-    });
-    if (cuts && round < 99) continue;
+    if (elements.size() > sides && round < 99) continue;
     if (closed) return domain();
     break;
   }

@@ -97,10 +97,13 @@ Result<OrbitBall> searchOrbit(Context& context, const OrbitPolygon& polygon, dou
     frontier.pop();
     order.push_back(next.index);
     for (std::size_t k = 0; k < polygon.pairings.size(); ++k) {
-      const Su11 g = found.elements[next.index] * polygon.pairings[k].map;
-      const double b = std::abs(g.b);
+      const Su11& from = found.elements[next.index];
+      const Su11& step = polygon.pairings[k].map;
+      const double b = std::sqrt(std::norm(from.a * step.b + from.b * std::conj(step.a)));
       // Strictly outwards, up to rounding: the way back inwards is found from the other end.
-      if (b > largest || b < next.b * (1 - 1e-9) || index.find(g) >= 0) continue;
+      if (b > largest || b < next.b * (1 - 1e-9)) continue;
+      const Su11 g = from * step;
+      if (index.find(g) >= 0) continue;
       const auto i = static_cast<std::int32_t>(found.elements.size());
       found.elements.push_back(renormalized(g));
       found.parent.push_back(next.index);

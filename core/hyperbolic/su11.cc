@@ -51,7 +51,7 @@ double displacement(const Su11& g) {
 }
 
 bool sameElement(const Su11& g, const Su11& h) {
-  return std::abs((inverse(h) * g).b) < 3e-5;
+  return std::norm((inverse(h) * g).b) < 1e-9;
 }
 
 double translationLength(const Su11& g) {

@@ -3,7 +3,7 @@
 #include <complex>
 #include <vector>
 
-#include "core/intrinsic/intrinsic_triangulation.h"
+#include "core/mesh/connectivity.h"
 
 /// Triangles of a flat metric in the plane, each in a chart of its own.
 namespace moduli {
@@ -12,15 +12,10 @@ namespace moduli {
 /// keeps orientation; the three of a face sum up to 0, and twins have one length.
 using FlatCharts = std::vector<std::complex<double>>;
 
-/// Charts of proper triangles. lengths, angles: per halfedge the length of it and the angle at its
-/// tail. The longest side is the sum of the other two, so that short ones keep their digits. O(F).
+/// Charts of triangles. lengths, angles: per halfedge the length of it and the angle at its tail,
+/// as SignedTriangles. The longest side is the sum of the other two, so that short ones keep their
+/// digits. O(F).
 FlatCharts chartsOfTriangles(const std::vector<double>& lengths, const std::vector<double>& angles);
-
-/// Undoes the flips of a triangulation and carries its charts along: the faces that it had at first
-/// get the straight edges between their corners in the unfolded metric, whatever kind of flip was
-/// done. Faces that the metric turns over come out with a negative area. `triangulation` is a copy
-/// that loses its history. O(flips).
-FlatCharts undoFlips(IntrinsicTriangulation triangulation, FlatCharts charts);
 
 /// Twice the signed area of face f.
 double doubledArea(const FlatCharts& charts, Index f);

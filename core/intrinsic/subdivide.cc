@@ -87,6 +87,7 @@ class FaceCutter {
   /// piece cannot be kept.
   bool cutInto(Index f, const std::vector<Polygon>& cells, bool strict) {
     std::vector<Triangle> pieces;
+    if (image_.enter) image_.enter(f);
     for (const Polygon& cell : cells) {
       std::optional<std::vector<Triangle>> triangles = triangulate(cell, true);
       if (!triangles && strict) return false;

@@ -31,6 +31,9 @@ struct Subdivision {
 struct SubdivisionImage {
   std::function<void(const Subdivision::Vertex&)> locate;
   std::function<double(Index, Index, Index)> quality;
+  /// Told of the face whose pieces `quality` is asked for next, if given: where an image is not one
+  /// for all faces.
+  std::function<void(Index)> enter = {};
 };
 
 /// Cuts given faces whose image is turned over, and as many of their neighbours as it takes, along

@@ -10,6 +10,7 @@
 #include "core/forms/cotan.h"
 #include "core/intrinsic/flat_charts.h"
 #include "core/intrinsic/mollify.h"
+#include "core/intrinsic/undo_flips.h"
 #include "core/mesh/double_cover.h"
 #include "core/parameterize/layout.h"
 #include "core/ricci/circle_packing.h"
@@ -152,7 +153,9 @@ class Flattening {
   }
 
   void keep(const DiscreteMetric& metric) {
-    charts_ = undoFlips(metric.triangulation, chartsOfTriangles(metric.half_chords, metric.angles));
+    const SignedTriangles faces =
+        undoFlips(Geometry::kEuclidean, metric.triangulation, {metric.half_chords, metric.angles});
+    charts_ = chartsOfTriangles(faces.lengths, faces.angles);
     certificate().curvature_residual = metric.certificate.curvature_residual;
     certificate().gauss_bonnet_residual = metric.certificate.gauss_bonnet_residual;
     certificate().newton_iterations = metric.certificate.newton_iterations;

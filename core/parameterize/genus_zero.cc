@@ -2,8 +2,6 @@
 
 #include <string>
 
-#include "core/topology/surface_topology.h"
-
 namespace moduli {
 namespace {
 
@@ -11,15 +9,16 @@ std::string counted(Index count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-/// Which target a surface has.
+}  // namespace
+
 std::string targetOf(const SurfaceTopology& topology) {
   const auto loops = static_cast<Index>(topology.boundary_loops.size());
   if (topology.components != 1) return "name one with --component";
   if (topology.genus > 0) {
     return loops == 0 && topology.genus == 1
                ? "--to flat maps it"
-               : "--to flat maps it with cones; --fill-holes and --repair may remove handles that "
-                 "are none";
+               : "--to hyperbolic maps it, and --to flat with cones; --fill-holes and --repair may "
+                 "remove handles that are none";
   }
   switch (loops) {
     case 0:
@@ -27,11 +26,11 @@ std::string targetOf(const SurfaceTopology& topology) {
     case 1:
       return "--to disk and --to rectangle map it; --fill-holes closes it";
     default:
-      return "--to circle-domain maps it; --fill-holes closes small loops";
+      return loops == 2 ? "--to circle-domain maps it; --fill-holes closes small loops"
+                        : "--to circle-domain and --to hyperbolic map it; --fill-holes closes "
+                          "small loops";
   }
 }
-
-}  // namespace
 
 Status checkGenusZero(const Connectivity& surface, const std::string& map, Index least_loops,
                       Index most_loops) {

@@ -5,6 +5,7 @@
 
 #include "core/base/status.h"
 #include "core/mesh/connectivity.h"
+#include "core/topology/surface_topology.h"
 
 /// What the maps of genus-0 surfaces ask of theirs. Internal to this room.
 namespace moduli {
@@ -14,6 +15,9 @@ namespace moduli {
 /// that such a surface has. O(F).
 Status checkGenusZero(const Connectivity& surface, const std::string& map, Index least_loops,
                       Index most_loops);
+
+/// Which target maps a surface: the hint of messages that refuse another.
+std::string targetOf(const SurfaceTopology& topology);
 
 /// For each face whether its image is turned over or has no area.
 template <typename Points, typename Sign>

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/hyperbolic/su11.h"
 #include "core/intrinsic/subdivide.h"
 #include "core/spherical/circle.h"
 #include "core/spherical/map_quality.h"
@@ -42,8 +43,34 @@ struct MapCertificate {
   std::optional<int> flips;
   std::optional<int> sweeps;               ///< Of the iteration that makes loops round.
   std::optional<double> convergence_rate;  ///< By which a sweep shrinks what is left.
+  /// Hyperbolic: of the products around vertices from the identity, of the relation from 1.
+  std::optional<double> cycle_residual, relation_residual;
+  std::optional<double> spectrum_complete_to;  ///< Of closed geodesics.
   double mollification = 0;
   std::vector<std::string> warnings;
+};
+
+/// A closed geodesic, face by face.
+struct GeodesicPath {
+  /// The way through a face.
+  struct Step {
+    Index entry = 0;      ///< Halfedge of the face through which it comes in,
+    double fraction = 0;  ///< and where, from its tail.
+    /// Images of the two ends of the way, as parts of this face.
+    std::complex<double> from, to;
+  };
+  double length = 0;
+  std::vector<Step> steps;
+};
+
+/// What belongs to a hyperbolic surface that is cut open in the Poincaré disk.
+struct HyperbolicDomain {
+  std::vector<Su11> generators;  ///< Of a closed surface, as FuchsianGroup.
+  /// The deck transformations that carry the image to the copies beside it, with their inverses.
+  std::vector<Su11> neighbours;
+  double radius = 0;                     ///< The largest distance of an image from 0.
+  std::vector<GeodesicPath> geodesics;   ///< The shortest ones inside, ascending.
+  std::vector<double> boundary_lengths;  ///< Per boundary loop.
 };
 
 /// A map of the faces of a surface to the plane, continuous but for seams, or to the sphere.
@@ -58,7 +85,8 @@ struct Parameterization {
   /// Width over height of a rectangle; log(outer / inner radius) / 2 pi of an annulus.
   std::optional<double> modulus;
   std::vector<Circle> circles;  ///< Of the boundary loops of a circle domain, the outer first.
-  MapMethod method = MapMethod::kAuto;  ///< What was done.
+  std::optional<HyperbolicDomain> hyperbolic;  ///< Of a map to the Poincaré disk.
+  MapMethod method = MapMethod::kAuto;         ///< What was done.
   MapCertificate certificate;
 };
 

@@ -1,10 +1,12 @@
-// The one file that knows cairo: PNG bytes and words on pictures.
+// The one file that knows cairo: PNG bytes, words on pictures and drawings in outlines.
 #include <cairo.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "core/picture/image.h"
+#include "core/picture/shapes.h"
 #include "core/picture/sheet.h"
 
 namespace moduli {
@@ -90,7 +92,51 @@ void frame(cairo_t* context, int x, int y, const Image& image) {
   cairo_stroke(context);
 }
 
+void trace(cairo_t* context, const Shape& shape) {
+  cairo_new_path(context);
+  for (const Outline& outline : shape.outlines) {
+    cairo_new_sub_path(context);
+    for (const auto& [x, y] : outline) {
+      if (!std::isfinite(x) || !std::isfinite(y)) break;
+      cairo_line_to(context, x, y);
+    }
+    if (shape.closed) cairo_close_path(context);
+  }
+}
+
+void setColor(cairo_t* context, const Color& color, double opacity) {
+  cairo_set_source_rgba(context, color.red / 255.0, color.green / 255.0, color.blue / 255.0,
+                        opacity);
+}
+
+void draw(cairo_t* context, const Shape& shape) {
+  trace(context, shape);
+  if (shape.style.fill) {
+    setColor(context, *shape.style.fill, shape.style.opacity);
+    cairo_fill_preserve(context);
+  }
+  if (shape.style.stroke) {
+    setColor(context, *shape.style.stroke, shape.style.opacity);
+    cairo_set_line_width(context, shape.style.stroke_width);
+    cairo_stroke(context);
+  }
+}
+
 }  // namespace
+
+Result<Image> drawShapes(const std::vector<Shape>& shapes, int width, int height) {
+  const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
+  if (const auto status = cairo_surface_status(surface.get()); status != CAIRO_STATUS_SUCCESS) {
+    return cairoError(status);
+  }
+  const Drawing context(cairo_create(surface.get()));
+  cairo_set_source_rgb(context.get(), 1, 1, 1);
+  cairo_paint(context.get());
+  cairo_set_line_join(context.get(), CAIRO_LINE_JOIN_ROUND);
+  cairo_set_line_cap(context.get(), CAIRO_LINE_CAP_ROUND);
+  for (const Shape& shape : shapes) draw(context.get(), shape);
+  return copyFrom(surface.get());
+}
 
 Result<std::string> encodePng(const Image& image) {
   const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, image.width, image.height));

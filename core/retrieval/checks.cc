@@ -42,4 +42,11 @@ Status checkQuery(std::span<const float> query, std::size_t dimension, std::size
   return {};
 }
 
+Status checkQueries(std::span<const std::vector<float>> queries, std::size_t dimension,
+                    std::size_t k) {
+  RETURN_IF_ERROR(checkQuery(std::vector<float>(dimension), dimension, k));
+  for (const std::vector<float>& query : queries) RETURN_IF_ERROR(checkQuery(query, dimension, k));
+  return {};
+}
+
 }  // namespace moduli

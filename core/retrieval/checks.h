@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "core/base/status.h"
 #include "core/retrieval/vector_index.h"
@@ -13,5 +14,9 @@ Status checkVectorSet(const VectorSet& set);
 
 /// kInvalidOption unless the query is finite, of the right dimension, and k is positive.
 Status checkQuery(std::span<const float> query, std::size_t dimension, std::size_t k);
+
+/// checkQuery of every query, and k is positive even if there is none.
+Status checkQueries(std::span<const std::vector<float>> queries, std::size_t dimension,
+                    std::size_t k);
 
 }  // namespace moduli

@@ -14,12 +14,13 @@
 #include "core/intrinsic/chordal_metric.h"
 #include "core/intrinsic/mollify.h"
 #include "core/ricci/uniformize.h"
-#include "core/signature/amplitudes.h"
 #include "core/signature/canonical_circles.h"
 #include "core/signature/conformal_block.h"
+#include "core/signature/descriptor.h"
 #include "core/signature/hyperbolic_invariants.h"
 #include "core/signature/mean_curvature.h"
 #include "core/signature/spectra.h"
+#include "core/signature/surface_modes.h"
 #include "core/spherical/circle_domain_map.h"
 #include "core/spherical/face_frame.h"
 #include "core/spherical/robust_map.h"
@@ -68,7 +69,8 @@ class SignatureBuilder {
       default:
         RETURN_IF_ERROR(signPeriods());
     }
-    fillVectors();
+    RETURN_IF_ERROR(describeBody());
+    fillConformalVector();
     signature_.timing = context_.timing();
     return std::move(signature_);
   }
@@ -118,18 +120,8 @@ class SignatureBuilder {
   /// Every other type: its periods, and no map to a canonical domain yet.
   Status signPeriods() {
     const SignatureTopology& topology = signature_.topology;
-    const std::string surface_name = "genus " + std::to_string(topology.genus) + " with " +
-                                     std::to_string(topology.boundary_loops) + " boundary loops";
-    if (!wants(Space::kConformal)) {
-      return {Reason::kUnsupportedTopology,
-              surface_name + ": the metric and shape spaces of this topology are not available yet",
-              "its conformal space is; closed surfaces of genus 0 and 1 have all three"};
-    }
-    if (wantsFields()) {
-      signature_.certificate.warnings.push_back("SPACES_OMITTED: the metric and shape spaces of " +
-                                                surface_name + " are not available yet");
-    }
     RETURN_IF_ERROR(makeMetric());
+    if (!wants(Space::kConformal)) return {};
     ASSIGN_OR_RETURN(CertifiedConformalBlock certified,
                      computeConformalBlock(context_, surface(), topology, lengths_));
     signature_.conformal = std::move(certified.block);
@@ -193,31 +185,41 @@ class SignatureBuilder {
     certificate.newton_iterations = metric.newton_iterations;
     certificate.flips = metric.flips;
     certificate.smallest_angle = metric.smallest_angle;
+    if (!signature_.conformal) return {};
+    signature_.conformal->boundary_lengths = geodesicBoundaryLengths(surface(), *found);
     return addGeodesics(found->metric);
   }
 
   /// The other invariants stand without the group and its closed geodesics.
   Status addGeodesics(const DiscreteMetric& metric) {
-    if (!signature_.conformal) return {};
     const Context::Stage stage(context_, "geodesics");
-    const Result<HyperbolicInvariants> found = hyperbolicInvariants(context_, metric);
+    const Result<HyperbolicInvariants> found =
+        hyperbolicInvariants(context_, metric, options_.spectrum_length);
+    std::vector<std::string>& warnings = signature_.certificate.warnings;
     if (!found.ok()) {
       const Reason reason = found.status().reason();
       if (reason == Reason::kCancelled || reason == Reason::kDeadlineExceeded) {
         return found.status();
       }
-      signature_.certificate.warnings.push_back("GEODESICS_OMITTED: " + found.status().message());
+      warnings.push_back("GEODESICS_OMITTED: " + found.status().message());
       return {};
     }
     signature_.conformal->generators = found->generators;
     signature_.conformal->length_spectrum = found->lengths;
     signature_.conformal->fenchel_nielsen = found->pants;
     signature_.certificate.relation_residual = found->relation_residual;
-    if (found->geodesics.ok()) {
-      signature_.certificate.spectrum_complete_to = found->complete_to;
-    } else {
-      signature_.certificate.warnings.push_back("GEODESICS_OMITTED: " + found->geodesics.message());
+    if (!found->geodesics.ok()) {
+      warnings.push_back("GEODESICS_OMITTED: " + found->geodesics.message());
+      return {};
     }
+    signature_.certificate.spectrum_complete_to = found->complete_to;
+    const std::optional<double> asked = options_.spectrum_length;
+    if (asked && found->complete_to < *asked) {
+      warnings.push_back("SPECTRUM_LIMITED: closed geodesics up to " + shortestDouble(*asked) +
+                         " are too many to find; up to " + shortestDouble(found->complete_to) +
+                         " all are there");
+    }
+    if (!found->pants) warnings.push_back("PANTS_OMITTED: " + found->pants_curves.message());
     return {};
   }
 
@@ -418,23 +420,47 @@ class SignatureBuilder {
     metric_.conformal_factor_spectrum = std::move(spectra.first);
     shape_.mean_curvature_spectrum = std::move(spectra.second);
     shape_.cross_spectrum = std::move(spectra.cross);
-    if (wants(Space::kMetric)) signature_.metric = metric_;
-    if (wants(Space::kShape)) signature_.shape = shape_;
   }
 
-  void fillVectors() {
+  static std::vector<float> narrowed(const std::vector<double>& numbers) {
+    return {numbers.begin(), numbers.end()};
+  }
+
+  /// The metric and shape spaces, of every topology: from the modes of the surface, and its place
+  /// in space. The other spaces stand without them.
+  Status describeBody() {
+    if (!wantsFields()) return {};
+    const Status status = addDescriptors();
+    const Reason reason = status.reason();
+    const bool stopped = reason == Reason::kCancelled || reason == Reason::kDeadlineExceeded;
+    if (status.ok() || stopped || options_.space) return status;
+    signature_.metric.reset();
+    signature_.shape.reset();
+    signature_.vectors = {};
+    signature_.certificate.warnings.push_back("SPACES_OMITTED: " + status.message());
+    return {};
+  }
+
+  Status addDescriptors() {
+    ASSIGN_OR_RETURN(const SurfaceModes modes, surfaceModes(context_, surface(), lengths_));
+    signature_.certificate.mode_residual = modes.largest_residual;
+    metric_.laplace_spectrum.assign(modes.values.begin(), modes.values.end());
     SearchVectors& vectors = signature_.vectors;
-    const auto narrow = [](const auto& numbers) {
-      std::vector<float> result;
-      for (const double number : numbers) result.push_back(static_cast<float>(number));
-      return result;
-    };
-    if (signature_.conformal) {
-      vectors.conformal = narrow(conformalCoordinates(*signature_.conformal));
+    if (wants(Space::kMetric)) {
+      signature_.metric = metric_;
+      vectors.metric = narrowed(weighParts(metricParts(modes)));
     }
-    if (!wantsFields()) return;
-    if (wants(Space::kMetric)) vectors.metric = narrow(metricAmplitudes(metric_));
-    if (wants(Space::kShape)) vectors.shape = narrow(shapeAmplitudes(metric_, shape_));
+    if (!wants(Space::kShape)) return {};
+    ASSIGN_OR_RETURN(const std::vector<DescriptorPart> parts,
+                     shapeParts(context_, *mesh_, lengths_, modes));
+    signature_.shape = shape_;
+    vectors.shape = narrowed(weighParts(parts));
+    return {};
+  }
+
+  void fillConformalVector() {
+    if (!signature_.conformal) return;
+    signature_.vectors.conformal = narrowed(conformalCoordinates(*signature_.conformal));
   }
 
   Context& context_;

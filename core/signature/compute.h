@@ -16,13 +16,17 @@ struct SignatureOptions {
   /// of space changes. Intrinsic triangulations that are not Euclidean start from their own edges
   /// in any case.
   bool initial_delaunay = true;
+  /// Closed geodesics up to this length, > 0, as far as some million elements of the group tell;
+  /// empty: up to a length that takes little time.
+  std::optional<double> spectrum_length = {};
 };
 
 /// Signature of a connected oriented manifold surface. The conformal block is there for every
-/// topology (of genus up to kMaxPeriodGenus); metric and shape blocks for closed surfaces of genus
-/// 0 and 1, and elsewhere a warning says that they are missing. The metric is the polyhedral one,
-/// mollified where faces have no area; the metric and shape blocks compare it with the canonical
-/// one, unit sphere or flat torus, both scaled to area 4 pi.
+/// topology (of genus up to kMaxPeriodGenus), and so are the vectors of the metric and the shape
+/// space (descriptor.h), which need no map; the spectra of the conformal factor and of the mean
+/// curvature beside them compare the surface with the canonical one, unit sphere or flat torus,
+/// both scaled to area 4 pi. The metric is the polyhedral one, mollified where faces have no area.
+/// Where the metric or shape space fails, a warning SPACES_OMITTED says why and the rest stands.
 ///
 /// Circle domains get their circles; where the map to them fails, a warning CIRCLES_OMITTED says
 /// why and they are missing. Where the Euler characteristic is negative the certificate judges the
@@ -35,13 +39,12 @@ struct SignatureOptions {
 /// same holds for a mirror image with the normals kept outwards, but for the cross spectrum, which
 /// then stays.
 ///
-/// Fails with kUnsupportedTopology (several components; the metric or shape space alone of other
-/// topologies than those two), kResidualTooLarge (a
-/// sphere map that is not centred to 1e-9, a holomorphic form of a torus that does not close to
-/// 1e-8 of a mean edge or whose area check fails by more than one half), and as the solvers do.
-/// Same input, same bytes; one space has the same bytes alone as among all three. About 7 F for
-/// spheres, 8 F with a hyperbolic metric, 4 F for tori, and some 50 ms whatever the size. Source:
-/// MATH 3 to 5, 8.2 to 8.4.
+/// Fails with kUnsupportedTopology (several components), kResidualTooLarge (a sphere map that is
+/// not centred to 1e-9, a holomorphic form of a torus that does not close to 1e-8 of a mean edge or
+/// whose area check fails by more than one half), and as the solvers do. Same input, same bytes;
+/// one space has the same bytes alone as among all three. About 7 F for spheres, 8 F with a
+/// hyperbolic metric, 4 F for tori, and 12 F for the modes and the descriptor. Source: MATH 3 to
+/// 5, 8.
 Result<Signature> computeSignature(Context& context, const PreparedMesh& prepared,
                                    const SignatureOptions& options = {});
 

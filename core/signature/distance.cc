@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/forms/modular.h"
-#include "core/signature/amplitudes.h"
 #include "core/signature/conformal_block.h"
 
 namespace moduli {
@@ -31,13 +30,12 @@ std::optional<double> conformalDistance(const Signature& a, const Signature& b) 
   return largest;
 }
 
-std::optional<double> amplitudeDistance(const Signature& a, const Signature& b, Space space) {
-  const auto x = amplitudes(a, space);
-  const auto y = amplitudes(b, space);
-  if (!x || !y || x->size() != y->size()) return std::nullopt;
+/// Of the vectors, in double precision: what is indexed is what counts.
+std::optional<double> vectorDistance(const std::vector<float>& x, const std::vector<float>& y) {
+  if (x.empty() || x.size() != y.size()) return std::nullopt;
   double sum = 0;
-  for (std::size_t i = 0; i < x->size(); ++i) {
-    const double difference = (*x)[i] - (*y)[i];
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double difference = static_cast<double>(x[i]) - static_cast<double>(y[i]);
     sum += difference * difference;
   }
   return std::sqrt(sum);
@@ -47,7 +45,15 @@ std::optional<double> amplitudeDistance(const Signature& a, const Signature& b, 
 
 std::optional<double> signatureDistance(const Signature& a, const Signature& b, Space space) {
   if (a.descriptor_version != b.descriptor_version) return std::nullopt;
-  return space == Space::kConformal ? conformalDistance(a, b) : amplitudeDistance(a, b, space);
+  switch (space) {
+    case Space::kConformal:
+      return conformalDistance(a, b);
+    case Space::kMetric:
+      return vectorDistance(a.vectors.metric, b.vectors.metric);
+    case Space::kShape:
+      break;
+  }
+  return vectorDistance(a.vectors.shape, b.vectors.shape);
 }
 
 SignatureDistances signatureDistances(const Signature& a, const Signature& b) {

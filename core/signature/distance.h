@@ -12,7 +12,8 @@ struct SignatureDistances {
   /// that the energy spectra give, the largest |log(energy_1 / energy_2)| / 2, up to their errors.
   /// Different types, genera or numbers of boundary loops: empty.
   std::optional<double> conformal;
-  std::optional<double> metric;  ///< Euclidean distance of the amplitude spectra.
+  /// Euclidean distances of the vectors, for any two surfaces whatever their topologies.
+  std::optional<double> metric;
   std::optional<double> shape;
 };
 

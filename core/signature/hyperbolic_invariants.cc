@@ -1,38 +1,28 @@
 #include "core/signature/hyperbolic_invariants.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/hyperbolic/dirichlet_domain.h"
 #include "core/hyperbolic/fuchsian_group.h"
 #include "core/hyperbolic/length_spectrum.h"
 #include "core/hyperbolic/pants.h"
+#include "core/hyperbolic/straight_faces.h"
 
 namespace moduli {
 namespace {
-
-/// Some 0.2 s.
-constexpr std::size_t kElements = 40'000;
 
 bool stops(const Status& status) {
   return status.reason() == Reason::kCancelled || status.reason() == Reason::kDeadlineExceeded;
 }
 
-/// The shortest geodesics, and those up to kSpectrumReach of them where that is not too much.
-Result<LengthSpectrum> shortGeodesics(Context& context, const OrbitPolygon& polygon,
-                                      const SpectrumOptions& options) {
-  ASSIGN_OR_RETURN(LengthSpectrum shortest, systoles(context, polygon, options));
-  const double reach = kSpectrumReach * shortest.geodesics.front().length;
-  ASSIGN_OR_RETURN(LengthSpectrum spectrum, lengthSpectrum(context, polygon, reach, options));
-  return spectrum.complete_to < shortest.complete_to ? std::move(shortest) : std::move(spectrum);
-}
-
 /// What the polygon tells beside the generators. Pants may take too long to find, and are left out
 /// then.
-Status addGeodesics(Context& context, const FuchsianGroup& group, HyperbolicInvariants& result) {
+Status addGeodesics(Context& context, const FuchsianGroup& group, std::optional<double> length,
+                    HyperbolicInvariants& result) {
   ASSIGN_OR_RETURN(const OrbitPolygon polygon, orbitPolygon(context, group));
-  SpectrumOptions options;
-  options.most_elements = kElements;
-  ASSIGN_OR_RETURN(const LengthSpectrum spectrum, shortGeodesics(context, polygon, options));
+  ASSIGN_OR_RETURN(const LengthSpectrum spectrum, length ? lengthSpectrum(context, polygon, *length)
+                                                         : shortGeodesics(context, polygon));
   for (const ClosedGeodesic& geodesic : spectrum.geodesics) {
     result.lengths.push_back(geodesic.length);
   }
@@ -46,7 +36,17 @@ Status addGeodesics(Context& context, const FuchsianGroup& group, HyperbolicInva
 
 }  // namespace
 
-Result<HyperbolicInvariants> hyperbolicInvariants(Context& context, const DiscreteMetric& metric) {
+Result<LengthSpectrum> shortGeodesics(Context& context, const OrbitPolygon& polygon) {
+  SpectrumOptions options;
+  options.most_elements = kSignatureElements;
+  ASSIGN_OR_RETURN(LengthSpectrum shortest, systoles(context, polygon, options));
+  const double reach = kSpectrumReach * shortest.geodesics.front().length;
+  ASSIGN_OR_RETURN(LengthSpectrum spectrum, lengthSpectrum(context, polygon, reach, options));
+  return spectrum.complete_to < shortest.complete_to ? std::move(shortest) : std::move(spectrum);
+}
+
+Result<HyperbolicInvariants> hyperbolicInvariants(Context& context, const DiscreteMetric& metric,
+                                                  std::optional<double> length) {
   ASSIGN_OR_RETURN(const HyperbolicTriangles triangles, hyperbolicTriangles(metric));
   ASSIGN_OR_RETURN(const FuchsianGroup group, computeFuchsianGroup(context, triangles));
   HyperbolicInvariants result;
@@ -54,9 +54,17 @@ Result<HyperbolicInvariants> hyperbolicInvariants(Context& context, const Discre
     result.generators.push_back({generator.a, generator.b});
   }
   result.relation_residual = group.certificate.relation_residual;
-  result.geodesics = addGeodesics(context, group, result);
+  result.geodesics = addGeodesics(context, group, length, result);
   if (stops(result.geodesics)) return result.geodesics;
   return result;
+}
+
+std::vector<double> geodesicBoundaryLengths(const Connectivity& surface,
+                                            const Uniformization& uniformization) {
+  std::vector<double> lengths =
+      boundaryLengths(surface, straightFaces(uniformization.metric).lengths);
+  std::sort(lengths.begin(), lengths.end());
+  return lengths;
 }
 
 }  // namespace moduli

@@ -15,7 +15,7 @@
 namespace moduli {
 
 /// Raised whenever the same mesh would get other numbers than before.
-inline constexpr int kDescriptorVersion = 3;
+inline constexpr int kDescriptorVersion = 4;
 
 enum class ConformalType : std::uint8_t {
   kSphere,
@@ -75,15 +75,20 @@ struct ConformalBlock {
   std::vector<double> length_spectrum;
   std::vector<DiskIsometry> generators;  ///< Of the group of that surface: A_1 B_1 A_2 B_2 ..
   std::optional<PantsCoordinates> fenchel_nielsen;  ///< Of that surface.
+  /// With a boundary too: of the geodesics that the loops become, ascending.
+  std::vector<double> boundary_lengths;
 };
 
 /// What bending without stretching keeps.
 struct MetricBlock {
-  /// Power of the log conformal factor per frequency 1 .. kSpectrumBins, see spectra.h.
+  /// The first kModeCount positive eigenvalues of the Laplace-Beltrami operator times the area.
+  std::vector<double> laplace_spectrum;
+  /// Closed genus 0 and 1: power of the log conformal factor per frequency 1 .. kSpectrumBins, see
+  /// spectra.h.
   std::vector<double> conformal_factor_spectrum;
 };
 
-/// What rigid motion and scaling keep.
+/// What rigid motion and scaling keep. Closed genus 0 and 1; empty elsewhere.
 struct ShapeBlock {
   std::vector<double> mean_curvature_spectrum;
   std::vector<double> cross_spectrum;  ///< Of conformal factor and mean curvature; signed.
@@ -102,6 +107,7 @@ struct SignatureCertificate {
   std::optional<double> curvature_residual, gauss_bonnet_residual;  ///< Hyperbolic metric, radians.
   std::optional<int> flips;
   std::optional<double> smallest_angle;        ///< Of the hyperbolic triangulation, radians.
+  std::optional<double> mode_residual;         ///< Of the Laplace-Beltrami modes, relative.
   std::optional<double> relation_residual;     ///< Of the generators.
   std::optional<double> spectrum_complete_to;  ///< Of the length spectrum.
   std::optional<double> layout_closure;

@@ -139,6 +139,11 @@ Status checkSignature(const v1::Signature& message) {
                     [](double length) { return length <= 0; })) {
       return refuse("its length spectrum holds what is not a positive number, or too much");
     }
+    if (!sound(block.boundary_lengths()) ||
+        std::any_of(block.boundary_lengths().begin(), block.boundary_lengths().end(),
+                    [](double length) { return length <= 0; })) {
+      return refuse("a boundary length is not a positive number, or there are too many");
+    }
     if (!sound(block.generators())) {
       return refuse("a generator is not finite, or there are too many");
     }
@@ -150,6 +155,7 @@ Status checkSignature(const v1::Signature& message) {
   }
   const v1::SearchVectors& vectors = message.vectors();
   if (!sound(message.metric().conformal_factor_spectrum()) ||
+      !sound(message.metric().laplace_spectrum()) ||
       !sound(message.shape().mean_curvature_spectrum()) ||
       !sound(message.shape().cross_spectrum()) || !sound(vectors.conformal()) ||
       !sound(vectors.metric()) || !sound(vectors.shape())) {
@@ -185,6 +191,7 @@ v1::SignatureCertificate toProto(const SignatureCertificate& certificate) {
   if (certificate.spectrum_complete_to) {
     message.set_spectrum_complete_to(*certificate.spectrum_complete_to);
   }
+  if (certificate.mode_residual) message.set_mode_residual(*certificate.mode_residual);
   if (certificate.layout_closure) message.set_layout_closure(*certificate.layout_closure);
   if (certificate.flipped_faces) message.set_flipped_faces(*certificate.flipped_faces);
   if (certificate.max_dilatation) message.set_max_dilatation(*certificate.max_dilatation);
@@ -217,6 +224,7 @@ SignatureCertificate fromProto(const v1::SignatureCertificate& message) {
   if (message.has_spectrum_complete_to()) {
     certificate.spectrum_complete_to = message.spectrum_complete_to();
   }
+  if (message.has_mode_residual()) certificate.mode_residual = message.mode_residual();
   if (message.has_layout_closure()) certificate.layout_closure = message.layout_closure();
   if (message.has_flipped_faces()) certificate.flipped_faces = message.flipped_faces();
   if (message.has_max_dilatation()) certificate.max_dilatation = message.max_dilatation();
@@ -268,6 +276,8 @@ ConformalBlock fromProto(const v1::ConformalBlock& message) {
     block.fenchel_nielsen = {{pants.lengths().begin(), pants.lengths().end()},
                              {pants.twists().begin(), pants.twists().end()}};
   }
+  block.boundary_lengths.assign(message.boundary_lengths().begin(),
+                                message.boundary_lengths().end());
   for (const v1::DiskIsometry& isometry : message.generators()) {
     block.generators.push_back(
         {{isometry.a().re(), isometry.a().im()}, {isometry.b().re(), isometry.b().im()}});
@@ -306,12 +316,9 @@ v1::ConformalBlock toProto(const ConformalBlock& block) {
     append(block.fenchel_nielsen->lengths, *pants.mutable_lengths());
     append(block.fenchel_nielsen->twists, *pants.mutable_twists());
   }
+  append(block.boundary_lengths, *message.mutable_boundary_lengths());
   for (const DiskIsometry& isometry : block.generators) {
-    v1::DiskIsometry& generator = *message.add_generators();
-    generator.mutable_a()->set_re(isometry.a.real());
-    generator.mutable_a()->set_im(isometry.a.imag());
-    generator.mutable_b()->set_re(isometry.b.real());
-    generator.mutable_b()->set_im(isometry.b.imag());
+    *message.add_generators() = moduli::toProto(isometry.a, isometry.b);
   }
   return message;
 }
@@ -338,6 +345,15 @@ v1::Inspection toProto(const Inspection& inspection, const std::vector<RepairAct
   return message;
 }
 
+v1::DiskIsometry toProto(const std::complex<double>& a, const std::complex<double>& b) {
+  v1::DiskIsometry message;
+  message.mutable_a()->set_re(a.real());
+  message.mutable_a()->set_im(a.imag());
+  message.mutable_b()->set_re(b.real());
+  message.mutable_b()->set_im(b.imag());
+  return message;
+}
+
 v1::Circle toProto(const Circle& circle) {
   v1::Circle message;
   message.mutable_center()->set_re(circle.center.real());
@@ -355,8 +371,11 @@ v1::Signature toProto(const Signature& signature) {
   if (signature.metric) {
     append(signature.metric->conformal_factor_spectrum,
            *message.mutable_metric()->mutable_conformal_factor_spectrum());
+    append(signature.metric->laplace_spectrum,
+           *message.mutable_metric()->mutable_laplace_spectrum());
   }
   if (signature.shape) {
+    message.mutable_shape();
     append(signature.shape->mean_curvature_spectrum,
            *message.mutable_shape()->mutable_mean_curvature_spectrum());
     append(signature.shape->cross_spectrum, *message.mutable_shape()->mutable_cross_spectrum());
@@ -376,8 +395,11 @@ Result<Signature> fromProto(const v1::Signature& message) {
   signature.topology = fromProto(message.topology());
   if (message.has_conformal()) signature.conformal = fromProto(message.conformal());
   if (message.has_metric()) {
-    const auto& spectrum = message.metric().conformal_factor_spectrum();
-    signature.metric.emplace().conformal_factor_spectrum.assign(spectrum.begin(), spectrum.end());
+    const v1::MetricBlock& from = message.metric();
+    MetricBlock& block = signature.metric.emplace();
+    block.conformal_factor_spectrum.assign(from.conformal_factor_spectrum().begin(),
+                                           from.conformal_factor_spectrum().end());
+    block.laplace_spectrum.assign(from.laplace_spectrum().begin(), from.laplace_spectrum().end());
   }
   if (message.has_shape()) {
     const v1::ShapeBlock& from = message.shape();

@@ -19,6 +19,8 @@ namespace moduli {
 v1::Inspection toProto(const Inspection& inspection, const std::vector<RepairAction>& repair);
 
 v1::Circle toProto(const Circle& circle);
+/// z -> (a z + b) / (conj(b) z + conj(a)).
+v1::DiskIsometry toProto(const std::complex<double>& a, const std::complex<double>& b);
 
 v1::Signature toProto(const Signature& signature);
 /// Fails with kInvalidRequest on values that no signature has: a missing topology, a conformal

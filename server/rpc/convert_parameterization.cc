@@ -1,7 +1,10 @@
 #include "server/rpc/convert_parameterization.h"
 
 #include <cmath>
+#include <cstdint>
 #include <optional>
+
+#include "server/rpc/convert.h"
 
 namespace moduli {
 namespace {
@@ -46,6 +49,23 @@ Options::Method toProto(MapMethod method) {
   return static_cast<Options::Method>(static_cast<int>(method) + 1);
 }
 
+v1::HyperbolicDomain toProto(const HyperbolicDomain& domain) {
+  v1::HyperbolicDomain message;
+  for (const Su11& g : domain.generators) *message.add_generators() = toProto(g.a, g.b);
+  for (const Su11& g : domain.neighbours) *message.add_neighbours() = toProto(g.a, g.b);
+  message.set_radius(domain.radius);
+  std::int32_t first = 0;
+  for (const GeodesicPath& path : domain.geodesics) {
+    v1::ClosedGeodesic& geodesic = *message.add_geodesics();
+    geodesic.set_length(path.length);
+    geodesic.set_first_point(first);
+    geodesic.set_points(static_cast<std::int32_t>(path.steps.size()));
+    first += geodesic.points();
+  }
+  for (const double length : domain.boundary_lengths) message.add_boundary_lengths(length);
+  return message;
+}
+
 v1::ParameterizationCertificate toProto(const MapCertificate& certificate) {
   using Message = v1::ParameterizationCertificate;
   Message message;
@@ -62,6 +82,9 @@ v1::ParameterizationCertificate toProto(const MapCertificate& certificate) {
   set(&Message::set_boundary_deviation, certificate.boundary_deviation);
   set(&Message::set_clamped_fraction, certificate.clamped_fraction);
   set(&Message::set_convergence_rate, certificate.convergence_rate);
+  set(&Message::set_cycle_residual, certificate.cycle_residual);
+  set(&Message::set_relation_residual, certificate.relation_residual);
+  set(&Message::set_spectrum_complete_to, certificate.spectrum_complete_to);
   set(&Message::set_mollification, certificate.mollification);
   set(&Message::set_max_dilatation, quality.max_dilatation);
   set(&Message::set_mean_dilatation, quality.mean_dilatation);

@@ -16,6 +16,9 @@ FlatOptions fromProto(const v1::ParameterizationOptions& options);
 MapMethod fromProto(v1::ParameterizationOptions::Method method);
 v1::ParameterizationOptions::Method toProto(MapMethod method);
 
+/// Of so many geodesics the points are those of GEODESICS, in order.
+v1::HyperbolicDomain toProto(const HyperbolicDomain& domain);
+
 /// Numbers that are not finite are left out.
 v1::ParameterizationCertificate toProto(const MapCertificate& certificate);
 /// Likewise. Whether the reference is a sphere is left open.

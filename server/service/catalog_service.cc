@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "moduli/v1/catalog.grpc.pb.h"
 #include "server/rpc/convert.h"
+#include "server/service/duplicates.h"
+#include "server/service/evaluating.h"
 #include "server/service/event_stream.h"
 #include "server/service/ingest_call.h"
 #include "server/service/request.h"
@@ -83,6 +86,68 @@ Result<v1::DeleteShapeResponse> deleteShape(const Backend& backend, const std::s
   RETURN_IF_ERROR(catalog->deleteShape(path.collection, path.shape));
   RETURN_IF_ERROR(backend.indexes->refresh());
   return v1::DeleteShapeResponse{};
+}
+
+Result<v1::BatchDeleteShapesResponse> batchDelete(Context& context, const Backend& backend,
+                                                  const v1::BatchDeleteShapesRequest& request) {
+  constexpr std::size_t kMostNames = 100;
+  ASSIGN_OR_RETURN(Catalog* const catalog, backend.catalog());
+  ASSIGN_OR_RETURN(const std::string collection, parseCollectionName(request.parent()));
+  ASSIGN_OR_RETURN(const Filter filter, Filter::parse(request.filter()));
+  ASSIGN_OR_RETURN(const std::vector<std::string> names,
+                   catalog->deleteShapes(context, collection, filter, request.validate_only()));
+  if (!request.validate_only()) RETURN_IF_ERROR(backend.indexes->refresh());
+  v1::BatchDeleteShapesResponse response;
+  response.set_deleted_shapes(static_cast<std::int32_t>(names.size()));
+  for (std::size_t i = 0; i < std::min(kMostNames, names.size()); ++i) response.add_names(names[i]);
+  return response;
+}
+
+Result<v1::Shape> updateShape(const Backend& backend, const v1::UpdateShapeRequest& request) {
+  ASSIGN_OR_RETURN(Catalog* const catalog, backend.catalog());
+  ASSIGN_OR_RETURN(const ShapePath path, parseShapeName(request.shape().name()));
+  ShapeUpdate update;
+  for (const std::string& field : request.update_mask().paths()) {
+    if (field == "label") update.label = request.shape().label();
+    if (field == "tags") {
+      update.tags.emplace(request.shape().tags().begin(), request.shape().tags().end());
+    }
+  }
+  std::string name = path.shape;
+  if (!request.new_shape_id().empty()) name = *(update.name = request.new_shape_id());
+  RETURN_IF_ERROR(catalog->updateShape(path.collection, path.shape, update));
+  ASSIGN_OR_RETURN(const ShapeRecord record,
+                   catalog->getShape(path.collection, name, ShapeView::kSummary));
+  return toProto(record, false);
+}
+
+Refusal checkUpdate(const v1::UpdateShapeRequest& request) {
+  for (const std::string& field : request.update_mask().paths()) {
+    if (field == "label" || field == "tags") continue;
+    return {{Reason::kInvalidRequest, "\"" + field + "\" of a shape cannot be changed",
+             "name label or tags"},
+            "update_mask"};
+  }
+  return {};
+}
+
+Refusal checkFilter(const std::string& filter) {
+  return {Filter::parse(filter).status(), "filter"};
+}
+
+/// Deleting everything has to be meant: DeleteCollection does that.
+Refusal checkNotEmpty(const std::string& filter) {
+  if (filter.find_first_not_of(" \t\n") != std::string::npos) return {};
+  return {{Reason::kInvalidFilter, "no filter says which shapes are meant",
+           "give one, such as label = \"cup\""},
+          "filter"};
+}
+
+Refusal checkThreshold(const v1::FindDuplicatesRequest& request) {
+  if (!request.has_threshold()) return {};
+  if (std::isfinite(request.threshold()) && request.threshold() >= 0) return {};
+  return {{Reason::kInvalidOption, "the threshold is no distance", "give 0 or a positive number"},
+          "threshold"};
 }
 
 Refusal checkPage(int size) {
@@ -209,7 +274,7 @@ class CatalogService final : public v1::CatalogService::CallbackService {
     return UnaryCall<v1::ListShapesResponse>::answer(
         backend_, *rpc, *response, {"ListShapes"},
         firstOf(checkCollectionName(request->parent(), "parent"), checkPage(request->page_size()),
-                Refusal{Filter::parse(request->filter()).status(), "filter"}),
+                checkFilter(request->filter())),
         [this, kept = *request](Context& context) { return listShapes(context, backend_, kept); });
   }
 
@@ -219,6 +284,51 @@ class CatalogService final : public v1::CatalogService::CallbackService {
         backend_, *rpc, *response, {"DeleteShape", Role::kWriter},
         checkShapeName(request->name(), "name"),
         [this, name = request->name()](Context&) { return deleteShape(backend_, name); });
+  }
+
+  grpc::ServerUnaryReactor* UpdateShape(Rpc* rpc, const v1::UpdateShapeRequest* request,
+                                        v1::Shape* response) override {
+    return UnaryCall<v1::Shape>::answer(
+        backend_, *rpc, *response, {"UpdateShape", Role::kWriter},
+        firstOf(checkShapeName(request->shape().name(), "shape.name"), checkUpdate(*request)),
+        [this, kept = *request](Context&) { return updateShape(backend_, kept); });
+  }
+
+  grpc::ServerUnaryReactor* BatchDeleteShapes(Rpc* rpc, const v1::BatchDeleteShapesRequest* request,
+                                              v1::BatchDeleteShapesResponse* response) override {
+    return UnaryCall<v1::BatchDeleteShapesResponse>::answer(
+        backend_, *rpc, *response, {"BatchDeleteShapes", Role::kWriter},
+        firstOf(checkCollectionName(request->parent(), "parent"), checkFilter(request->filter()),
+                checkNotEmpty(request->filter())),
+        [this, kept = *request](Context& context) { return batchDelete(context, backend_, kept); });
+  }
+
+  grpc::ServerWriteReactor<v1::EvaluateCollectionResponse>* EvaluateCollection(
+      Rpc* rpc, const v1::EvaluateCollectionRequest* request) override {
+    return EventStream<v1::EvaluateCollectionResponse>::answer(
+        backend_, *rpc, {"EvaluateCollection"},
+        firstOf(checkCollectionName(request->parent(), "parent"),
+                checkSpace(request->space(), "space"), checkFilter(request->filter())),
+        [this, kept = *request](Context& context) -> Result<v1::EvaluateCollectionResponse> {
+          v1::EvaluateCollectionResponse response;
+          ASSIGN_OR_RETURN(*response.mutable_evaluation(),
+                           evaluateCollection(context, backend_, kept));
+          return response;
+        });
+  }
+
+  grpc::ServerWriteReactor<v1::FindDuplicatesResponse>* FindDuplicates(
+      Rpc* rpc, const v1::FindDuplicatesRequest* request) override {
+    return EventStream<v1::FindDuplicatesResponse>::answer(
+        backend_, *rpc, {"FindDuplicates"},
+        firstOf(checkCollectionName(request->parent(), "parent"),
+                checkSpace(request->space(), "space"), checkFilter(request->filter()),
+                checkThreshold(*request)),
+        [this, kept = *request](Context& context) -> Result<v1::FindDuplicatesResponse> {
+          v1::FindDuplicatesResponse response;
+          ASSIGN_OR_RETURN(*response.mutable_duplicates(), findDuplicates(context, backend_, kept));
+          return response;
+        });
   }
 
   grpc::ServerWriteReactor<v1::DownloadMeshResponse>* DownloadMesh(
@@ -239,8 +349,7 @@ class CatalogService final : public v1::CatalogService::CallbackService {
       Rpc* rpc, const v1::SearchShapesRequest* request) override {
     return EventStream<v1::SearchShapesResponse>::answer(
         backend_, *rpc, {"SearchShapes"},
-        firstOf(checkSearch(*request),
-                Refusal{Filter::parse(request->filter()).status(), "filter"}),
+        firstOf(checkSearch(*request), checkFilter(request->filter())),
         [this, kept = std::make_shared<v1::SearchShapesRequest>(*request)](
             Context& context) -> Result<v1::SearchShapesResponse> {
           v1::SearchShapesResponse response;

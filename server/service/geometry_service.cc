@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -50,12 +51,22 @@ Result<v1::InspectMeshResponse> inspect(Context& context, const Backend& backend
   return response;
 }
 
+Refusal checkSpectrumLength(const v1::ComputeSignatureRequest& request) {
+  if (!request.has_spectrum_length()) return {};
+  const double length = request.spectrum_length();
+  if (std::isfinite(length) && length > 0) return {};
+  return {{Reason::kInvalidOption, "the spectrum's length is not a positive number",
+           "give a length, of curvature -1, such as 4"},
+          "spectrum_length"};
+}
+
 Result<v1::ComputeSignatureResponse> sign(Context& context, const Backend& backend,
                                           const v1::ComputeSignatureRequest& request) {
   ASSIGN_OR_RETURN(const MeshFile file, loadMesh(context, backend, request.source()));
   SignatureOptions options;
   options.space = fromProto(request.space());
   if (request.has_initial_delaunay()) options.initial_delaunay = request.initial_delaunay();
+  if (request.has_spectrum_length()) options.spectrum_length = request.spectrum_length();
   ASSIGN_OR_RETURN(const Signature signature,
                    signMesh(context, backend, file, fromProto(request.prepare()), options));
   v1::ComputeSignatureResponse response;
@@ -151,7 +162,8 @@ class GeometryService final : public v1::GeometryService::CallbackService {
     return EventStream<v1::ComputeSignatureResponse>::answer(
         backend_, *rpc, {"ComputeSignature"},
         firstOf(checkSource(request->source(), "source"),
-                checkPrepare(request->prepare(), "prepare"), checkSpace(request->space(), "space")),
+                checkPrepare(request->prepare(), "prepare"), checkSpace(request->space(), "space"),
+                checkSpectrumLength(*request)),
         [this, kept = std::make_shared<v1::ComputeSignatureRequest>(*request)](Context& context) {
           return sign(context, backend_, *kept);
         });

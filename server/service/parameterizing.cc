@@ -10,6 +10,7 @@
 #include "core/parameterize/circle_domain.h"
 #include "core/parameterize/disk.h"
 #include "core/parameterize/flat.h"
+#include "core/parameterize/hyperbolic.h"
 #include "core/parameterize/rectangle.h"
 #include "core/parameterize/sphere.h"
 #include "server/rpc/convert.h"
@@ -103,6 +104,12 @@ Result<Parameterization> mapSurface(Context& context, const Options& message,
       return parameterizeCircleDomain(
           context, surface, lengths, positions,
           {fromProto(message.method()), startsDelaunay(message), refines(message)});
+    case Options::HYPERBOLIC: {
+      // Edges of another geometry are those of its triangulation, not to be flipped at first.
+      const bool flat = !subject.intrinsic || subject.intrinsic->geometry == Geometry::kEuclidean;
+      return parameterizeHyperbolic(context, surface, lengths,
+                                    {flat && startsDelaunay(message), refines(message)});
+    }
     default:
       break;
   }
@@ -115,10 +122,13 @@ v1::Parameterization describe(const Options& options, const Connectivity& surfac
   v1::Parameterization result;
   result.set_target(options.target());
   result.set_refined(map.subdivision.has_value());
-  if (options.target() != Options::FLAT) result.set_method(toProto(map.method));
+  const bool has_methods =
+      options.target() != Options::FLAT && options.target() != Options::HYPERBOLIC;
+  if (has_methods) result.set_method(toProto(map.method));
   *result.mutable_certificate() = toProto(map.certificate);
   if (map.modulus) result.set_modulus(*map.modulus);
   for (const Circle& circle : map.circles) *result.add_circles() = toProto(circle);
+  if (map.hyperbolic) *result.mutable_hyperbolic() = toProto(*map.hyperbolic);
   if (map.subdivision) {
     result.set_added_vertices(static_cast<int>(map.subdivision->vertices.size()));
     result.set_added_faces(static_cast<int>(map.subdivision->faces.size()) - surface.faceCount());
@@ -145,33 +155,34 @@ ArrayView viewOf(v1::ArrayChunk::Array array, int columns, const std::vector<Row
 class Parts {
  public:
   Parts(std::shared_ptr<const ParameterizedSurface> surface, bool omit_arrays)
-      : surface_(std::move(surface)),
-        arrays_(surface_->carried.empty() ? kArrays - 1 : kArrays),
-        array_(omit_arrays ? arrays_ : 0) {}
+      : surface_(std::move(surface)) {
+    if (!omit_arrays) listArrays();
+  }
 
   std::optional<v1::ParameterizeResponse> next() {
     if (done_) return {};
     v1::ParameterizeResponse response;
-    if (array_ == arrays_) {
+    if (array_ == arrays_.size()) {
       *response.mutable_parameterization() = surface_->result;
       done_ = true;
       return response;
     }
-    fill(view(), *response.mutable_array());
+    fill(arrays_[array_], *response.mutable_array());
     return response;
   }
 
  private:
-  static constexpr std::size_t kArrays = 5;
-
-  ArrayView view() const {
-    const std::array<ArrayView, kArrays> views = {
-        viewOf(v1::ArrayChunk::POSITIONS, 3, surface_->positions),
-        viewOf(v1::ArrayChunk::FACES, 3, surface_->faces),
-        viewOf(v1::ArrayChunk::POINTS, 2, surface_->points),
-        viewOf(v1::ArrayChunk::CORNERS, 3, surface_->corners),
-        viewOf(v1::ArrayChunk::CARRIED, 1, surface_->carried)};
-    return views[array_];
+  void listArrays() {
+    arrays_ = {viewOf(v1::ArrayChunk::POSITIONS, 3, surface_->positions),
+               viewOf(v1::ArrayChunk::FACES, 3, surface_->faces),
+               viewOf(v1::ArrayChunk::POINTS, 2, surface_->points),
+               viewOf(v1::ArrayChunk::CORNERS, 3, surface_->corners)};
+    if (!surface_->carried.empty()) {
+      arrays_.push_back(viewOf(v1::ArrayChunk::CARRIED, 1, surface_->carried));
+    }
+    if (surface_->result.has_hyperbolic()) {
+      arrays_.push_back(viewOf(v1::ArrayChunk::GEODESICS, 7, surface_->geodesics));
+    }
   }
 
   // The next piece of an array; an empty one has one, too, for the sake of its shape.
@@ -189,7 +200,7 @@ class Parts {
   }
 
   std::shared_ptr<const ParameterizedSurface> surface_;
-  std::size_t arrays_;  ///< So many of the views are sent.
+  std::vector<ArrayView> arrays_;
   std::size_t array_ = 0;
   std::size_t offset_ = 0;
   bool done_ = false;
@@ -221,6 +232,7 @@ Result<ParameterizedSurface> parameterizeMesh(Context& context, const Backend& b
   if (reference) *surface.result.mutable_registration() = registered.result;
   if (request.omit_arrays()) return surface;
   surface.carried = std::move(registered.carried);
+  surface.geodesics = geodesicRows(subject.surface(), subject.positions(), map);
   static_cast<MappedFaces&>(surface) =
       subject.intrinsic
           ? imageAlone(subject.surface(), map)

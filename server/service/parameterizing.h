@@ -8,6 +8,7 @@
 #include "core/base/context.h"
 #include "moduli/v1/geometry_service.pb.h"
 #include "server/service/backend.h"
+#include "server/service/geodesic_rows.h"
 #include "server/service/map_back.h"
 
 /// From a request for a parameterization to what is sent back.
@@ -16,7 +17,8 @@ namespace moduli {
 /// A surface with its map, in the numbering of the input.
 struct ParameterizedSurface : MappedFaces {
   v1::Parameterization result;
-  std::vector<double> carried;  ///< Per vertex of the input the reference's field; or empty.
+  std::vector<double> carried;         ///< Per vertex of the input the reference's field; or empty.
+  std::vector<GeodesicRow> geodesics;  ///< Of a map to the Poincaré disk.
 };
 
 /// Loads, parses, prepares and maps the surface of a checked request. The arrays are left empty

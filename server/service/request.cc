@@ -144,6 +144,35 @@ Refusal checkCorners(const v1::ParameterizationOptions& options, const std::stri
           field + ".corners"};
 }
 
+/// Options that the target does not look at were meant for another one; defaults fit all.
+Refusal checkTarget(const v1::ParameterizationOptions& options, const std::string& field) {
+  using Options = v1::ParameterizationOptions;
+  const auto refuse = [&](const std::string& what, const std::string& whose,
+                          const std::string& name) {
+    return Refusal{
+        {Reason::kInvalidOption,
+         what + " of " + whose + ", and the target is " + Options::Target_Name(options.target()),
+         "leave it out, or choose that target"},
+        field + "." + name};
+  };
+  if (options.target() != Options::FLAT) {
+    if (!options.cones().empty()) return refuse("cones are", "FLAT maps", "cones");
+    if (options.boundary() != 0)
+      return refuse("rules for the boundary are those", "FLAT maps", "boundary");
+    if (options.scheme() > Options::VERTEX_SCALING)
+      return refuse("the scheme is that", "FLAT maps", "scheme");
+    if (options.solver() > Options::NEWTON)
+      return refuse("the solver is that", "FLAT maps", "solver");
+  }
+  const bool has_methods = options.target() == Options::SPHERE ||
+                           options.target() == Options::DISK ||
+                           options.target() == Options::CIRCLE_DOMAIN;
+  if (options.method() > Options::AUTO && !has_methods) {
+    return refuse("the method is that", "SPHERE, DISK and CIRCLE_DOMAIN", "method");
+  }
+  return {};
+}
+
 Refusal checkMobius(const v1::ParameterizationOptions& options, const std::string& field) {
   using Options = v1::ParameterizationOptions;
   if (options.mobius().empty()) return {};
@@ -279,8 +308,8 @@ Refusal checkParameterization(const v1::ParameterizationOptions& options,
       checkChoice(Options::Scheme_IsValid(options.scheme()), "scheme", options.scheme(), field),
       checkChoice(Options::Solver_IsValid(options.solver()), "solver", options.solver(), field),
       checkChoice(Options::Method_IsValid(options.method()), "method", options.method(), field),
-      checkCones(options, field), checkCorners(options, field), checkMobius(options, field),
-      checkRegistration(options, field));
+      checkTarget(options, field), checkCones(options, field), checkCorners(options, field),
+      checkMobius(options, field), checkRegistration(options, field));
 }
 
 }  // namespace moduli

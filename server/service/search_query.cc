@@ -25,10 +25,8 @@ Result<Signature> querySignature(Context& context, const Backend& backend, const
     return std::move(stored.signature);
   }
   ASSIGN_OR_RETURN(const MeshFile file, loadMesh(context, backend, request.source()));
-  // Shape space stands on the metric block too; with both at hand, in double precision, the
-  // distance of a shape from itself is exactly 0.
   SignatureOptions options;
-  if (space != Space::kShape) options.space = space;
+  options.space = space;
   return signMesh(context, backend, file, fromProto(request.prepare()), options);
 }
 

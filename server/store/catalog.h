@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -68,6 +69,13 @@ struct ShapeName {
   std::string name;
 };
 
+/// What to change of a shape; what is not given stays.
+struct ShapeUpdate {
+  std::optional<std::string> name;
+  std::optional<std::string> label;
+  std::optional<std::map<std::string, std::string>> tags;  ///< As a whole.
+};
+
 /// Collections of signed shapes in an SQL store. Every write that has returned OK survives a killed
 /// process and a power failure; readers see whole writes or none. Thread-safe: one writer at a
 /// time, readers beside it. A row that is damaged is skipped with a warning in the log where many
@@ -124,6 +132,19 @@ class Catalog {
 
   /// Fails with kCollectionNotFound, kShapeNotFound.
   virtual Status deleteShape(std::string_view collection, std::string_view name) = 0;
+
+  /// Deletes the shapes that pass the filter, all in one transaction, and returns their names, by
+  /// ascending name; with `dry_run` only the names. Fails with kCollectionNotFound, kCancelled,
+  /// kDeadlineExceeded.
+  virtual Result<std::vector<std::string>> deleteShapes(Context& context,
+                                                        std::string_view collection,
+                                                        const Filter& filter, bool dry_run) = 0;
+
+  /// Changes a shape in place: it keeps its id, mesh, signature and vectors. Fails with
+  /// kCollectionNotFound, kShapeNotFound, kShapeExists (the new name is taken), kInvalidName,
+  /// kInvalidRequest.
+  virtual Status updateShape(std::string_view collection, std::string_view name,
+                             const ShapeUpdate& update) = 0;
 
   /// Whether any shape has this mesh.
   virtual Result<bool> hasMesh(std::string_view digest) const = 0;

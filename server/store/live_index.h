@@ -15,15 +15,15 @@
 
 namespace moduli {
 
-/// A vector index that changes: an immutable FLANN index over most rows, a short tail of later rows
-/// that is searched one by one, and marks on removed rows. A search works on the state it found
-/// when it began: it never waits for a writer (but for copying a pointer) and sees each write
-/// whole or not at all. Exact. Thread-safe.
+/// A vector index that changes: a few immutable FLANN indexes, each several times as large as the
+/// next, a short tail of later rows that is searched one by one, and marks on removed rows. A
+/// search works on the state it found when it began: it never waits for a writer (but for copying a
+/// pointer), frees nothing large, and sees each write whole or not at all. Exact. Thread-safe.
 class LiveIndex {
  public:
   struct Options {
-    /// rebuildDue() when tail and removed rows exceed this share of the indexed rows, and this
-    /// number.
+    /// rebuildDue() when the tail exceeds rebuild_minimum rows, or the removed rows that number and
+    /// this share of all.
     double rebuild_fraction = 0.125;
     std::size_t rebuild_minimum = 1024;
   };
@@ -42,8 +42,10 @@ class LiveIndex {
                                        const std::function<bool(std::int64_t)>& accept = {}) const;
 
   bool rebuildDue() const;
-  /// Makes a new FLANN index of all present rows and swaps it in; writes and searches go on
-  /// meanwhile. A second call while one runs returns at once. O(n log n).
+  /// Makes a new FLANN index of the tail and the indexes that are not much larger, of all where
+  /// many rows are removed, and swaps it in; writes and searches go on meanwhile. It builds on
+  /// a thread of the lowest priority, so that searches keep their processors. A second call while
+  /// one runs returns at once. O(log(n)^2) a row over time.
   Status rebuild();
 
   std::size_t size() const;
@@ -53,11 +55,14 @@ class LiveIndex {
   struct Base;
   struct Chunk;
   struct State;
+  struct Merge;
 
   LiveIndex(std::size_t dimension, const Options& options);
   std::shared_ptr<const State> state() const;
   void publish(std::shared_ptr<const State> state);
   void appendRow(State& state, std::int64_t id, std::span<const float> values);
+  bool removedDue(const State& state) const;
+  Merge takeForMerge(const State& before) const;
   bool markRemoved(const State& state, std::int64_t id, std::uint64_t version);
 
   const std::size_t dimension_;

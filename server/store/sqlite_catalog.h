@@ -45,6 +45,10 @@ class SqliteCatalog final : public Catalog {
   Status scanShapes(Context& context, std::string_view collection, const Filter& filter,
                     const std::function<bool(const ShapeRecord&)>& visit) const override;
   Status deleteShape(std::string_view collection, std::string_view name) override;
+  Result<std::vector<std::string>> deleteShapes(Context& context, std::string_view collection,
+                                                const Filter& filter, bool dry_run) override;
+  Status updateShape(std::string_view collection, std::string_view name,
+                     const ShapeUpdate& update) override;
   Result<bool> hasMesh(std::string_view digest) const override;
   Result<std::vector<ShapeName>> outdatedShapes(int descriptor_version,
                                                 std::size_t limit) const override;
@@ -88,6 +92,7 @@ class SqliteCatalog final : public Catalog {
   Result<std::int64_t> insertShape(const ShapeRecord& shape, std::int64_t collection_id,
                                    std::int64_t create_time);
   Status insertDetails(const ShapeRecord& shape, std::int64_t id);
+  Status insertTags(const std::map<std::string, std::string>& tags, std::int64_t id);
   Status removeShapeRow(std::int64_t collection_id, std::int64_t id);
   Status noteChange(Change::Kind kind, std::int64_t collection_id, std::int64_t shape_id);
 

@@ -30,20 +30,40 @@ Status validateVector(std::string_view what, std::span<const float> vector) {
   return {};
 }
 
+Status validateTags(const std::map<std::string, std::string>& tags) {
+  if (tags.size() > kMaxTags) return {Reason::kInvalidRequest, "a shape has at most 64 tags"};
+  for (const auto& [key, value] : tags) {
+    if (key.empty()) return {Reason::kInvalidRequest, "a tag needs a key"};
+    RETURN_IF_ERROR(validateText("a tag's key", key));
+    RETURN_IF_ERROR(validateText("tag " + key, value));
+  }
+  return {};
+}
+
+Status validateUpdate(const ShapeUpdate& update) {
+  if (update.name) RETURN_IF_ERROR(validateShapeName(*update.name));
+  if (update.label) RETURN_IF_ERROR(validateText("the label", *update.label));
+  return update.tags ? validateTags(*update.tags) : Status();
+}
+
+Status noShape(const std::string& collection, std::string_view name) {
+  return {Reason::kShapeNotFound,
+          "collection \"" + collection + "\" has no shape \"" + std::string(name) + "\""};
+}
+
+Status nameTaken(const std::string& collection, std::string_view name, const std::string& hint) {
+  return {Reason::kShapeExists,
+          "collection \"" + collection + "\" has a shape \"" + std::string(name) + "\" already",
+          hint};
+}
+
 Status validateShape(const ShapeRecord& shape) {
   RETURN_IF_ERROR(validateShapeName(shape.name));
   RETURN_IF_ERROR(validateDigest(shape.digest));
   RETURN_IF_ERROR(validateText("the label", shape.label));
   RETURN_IF_ERROR(validateText("the file name", shape.file_name));
   RETURN_IF_ERROR(validateText("the type", shape.topology.type));
-  if (shape.tags.size() > kMaxTags) {
-    return {Reason::kInvalidRequest, "a shape has at most 64 tags"};
-  }
-  for (const auto& [key, value] : shape.tags) {
-    if (key.empty()) return {Reason::kInvalidRequest, "a tag needs a key"};
-    RETURN_IF_ERROR(validateText("a tag's key", key));
-    RETURN_IF_ERROR(validateText("tag " + key, value));
-  }
+  RETURN_IF_ERROR(validateTags(shape.tags));
   if (!std::isfinite(shape.topology.area)) {
     return {Reason::kInvalidRequest, "the area is not finite"};
   }
@@ -117,11 +137,7 @@ Result<std::int64_t> SqliteCatalog::insertShape(const ShapeRecord& shape,
 Status SqliteCatalog::insertDetails(const ShapeRecord& shape, std::int64_t id) {
   ASSIGN_OR_RETURN(SqliteQuery signature, writer_->prepare("INSERT INTO signatures VALUES (?, ?)"));
   RETURN_IF_ERROR(signature.bind(id).bindBytes(shape.signature).run());
-  ASSIGN_OR_RETURN(SqliteQuery tag, writer_->prepare("INSERT INTO tags VALUES (?, ?, ?)"));
-  for (const auto& [key, value] : shape.tags) {
-    RETURN_IF_ERROR(tag.bind(id).bind(key).bind(value).run());
-    tag.reset();
-  }
+  RETURN_IF_ERROR(insertTags(shape.tags, id));
   ASSIGN_OR_RETURN(SqliteQuery vector, writer_->prepare("INSERT INTO vectors VALUES (?, ?, ?)"));
   const std::span<const float> spaces[] = {shape.vectors.conformal, shape.vectors.metric,
                                            shape.vectors.shape};
@@ -129,6 +145,15 @@ Status SqliteCatalog::insertDetails(const ShapeRecord& shape, std::int64_t id) {
     if (spaces[space].empty()) continue;
     RETURN_IF_ERROR(vector.bind(id).bind(space + 1).bindBytes(bytesOf(spaces[space])).run());
     vector.reset();
+  }
+  return {};
+}
+
+Status SqliteCatalog::insertTags(const std::map<std::string, std::string>& tags, std::int64_t id) {
+  ASSIGN_OR_RETURN(SqliteQuery tag, writer_->prepare("INSERT INTO tags VALUES (?, ?, ?)"));
+  for (const auto& [key, value] : tags) {
+    RETURN_IF_ERROR(tag.bind(id).bind(key).bind(value).run());
+    tag.reset();
   }
   return {};
 }
@@ -145,10 +170,8 @@ Result<PutResult> SqliteCatalog::putShape(const ShapeRecord& shape, OnExists on_
   if (found) {
     result = {PutOutcome::kSkipped, found->id, found->digest};
     if (!only_if_id && on_exists == OnExists::kError) {
-      return Status(
-          Reason::kShapeExists,
-          "collection \"" + collection.name + "\" has a shape \"" + shape.name + "\" already",
-          "choose another name, or say --on-exists skip or replace");
+      return nameTaken(collection.name, shape.name,
+                       "choose another name, or say --on-exists skip or replace");
     }
   }
   if (only_if_id && (!found || found->id != *only_if_id)) {
@@ -170,11 +193,61 @@ Status SqliteCatalog::deleteShape(std::string_view collection_name, std::string_
                    SqliteTransaction::begin(*writer_, SqliteTransaction::Kind::kWrite));
   ASSIGN_OR_RETURN(const CollectionRecord collection, findCollection(*writer_, collection_name));
   ASSIGN_OR_RETURN(const std::optional<Found> found, findForWrite(collection.id, name));
-  if (!found) {
-    return {Reason::kShapeNotFound,
-            "collection \"" + collection.name + "\" has no shape \"" + std::string(name) + "\""};
-  }
+  if (!found) return noShape(collection.name, name);
   RETURN_IF_ERROR(removeShapeRow(collection.id, found->id));
+  return transaction.commit();
+}
+
+Result<std::vector<std::string>> SqliteCatalog::deleteShapes(Context& context,
+                                                             std::string_view collection_name,
+                                                             const Filter& filter, bool dry_run) {
+  // Nobody writes between the look and the deletion.
+  const std::lock_guard lock(write_mutex_);
+  std::vector<std::string> names;
+  std::vector<std::int64_t> ids;
+  RETURN_IF_ERROR(scanShapes(context, collection_name, filter, [&](const ShapeRecord& shape) {
+    names.push_back(shape.name);
+    ids.push_back(shape.id);
+    return true;
+  }));
+  if (dry_run) return names;
+  ASSIGN_OR_RETURN(SqliteTransaction transaction,
+                   SqliteTransaction::begin(*writer_, SqliteTransaction::Kind::kWrite));
+  ASSIGN_OR_RETURN(const CollectionRecord collection, findCollection(*writer_, collection_name));
+  for (const std::int64_t id : ids) {
+    RETURN_IF_ERROR(context.check());
+    RETURN_IF_ERROR(removeShapeRow(collection.id, id));
+  }
+  RETURN_IF_ERROR(transaction.commit());
+  return names;
+}
+
+Status SqliteCatalog::updateShape(std::string_view collection_name, std::string_view name,
+                                  const ShapeUpdate& update) {
+  RETURN_IF_ERROR(validateUpdate(update));
+  const std::lock_guard lock(write_mutex_);
+  ASSIGN_OR_RETURN(SqliteTransaction transaction,
+                   SqliteTransaction::begin(*writer_, SqliteTransaction::Kind::kWrite));
+  ASSIGN_OR_RETURN(const CollectionRecord collection, findCollection(*writer_, collection_name));
+  ASSIGN_OR_RETURN(const std::optional<Found> found, findForWrite(collection.id, name));
+  if (!found) return noShape(collection.name, name);
+  if (update.name && *update.name != name) {
+    ASSIGN_OR_RETURN(const std::optional<Found> other, findForWrite(collection.id, *update.name));
+    if (other) return nameTaken(collection.name, *update.name, "choose another name");
+    ASSIGN_OR_RETURN(SqliteQuery rename,
+                     writer_->prepare("UPDATE shapes SET name = ? WHERE id = ?"));
+    RETURN_IF_ERROR(rename.bind(*update.name).bind(found->id).run());
+  }
+  if (update.label) {
+    ASSIGN_OR_RETURN(SqliteQuery label,
+                     writer_->prepare("UPDATE shapes SET label = ? WHERE id = ?"));
+    RETURN_IF_ERROR(label.bind(*update.label).bind(found->id).run());
+  }
+  if (update.tags) {
+    ASSIGN_OR_RETURN(SqliteQuery clear, writer_->prepare("DELETE FROM tags WHERE shape_id = ?"));
+    RETURN_IF_ERROR(clear.bind(found->id).run());
+    RETURN_IF_ERROR(insertTags(*update.tags, found->id));
+  }
   return transaction.commit();
 }
 

@@ -71,13 +71,16 @@ TEST_F(JsonOutput, SignatureOfATorus) {
 TEST_F(JsonOutput, SignatureOfAPretzelHasItsPeriods) {
   sample("p.off", {"genus", "genus=2", "resolution=2"});
   const Json json = this->json({"signature", "p.off"});
-  EXPECT_THAT(json.keys(), UnorderedElementsAre("topology", "conformal", "vectors",
-                                                "descriptor_version", "certificate", "timing"));
+  EXPECT_THAT(json.keys(),
+              UnorderedElementsAre("topology", "conformal", "metric", "shape", "vectors",
+                                   "descriptor_version", "certificate", "timing"));
+  EXPECT_EQ(json["metric"]["laplace_spectrum"].size(), 50);
   const Json block = json["conformal"];
   EXPECT_THAT(block.keys(),
               UnorderedElementsAre("type", "period_matrix", "period_error", "energy_spectrum",
                                    "energy_spectrum_error", "circles", "length_spectrum",
-                                   "generators", "fenchel_nielsen"));
+                                   "generators", "fenchel_nielsen", "boundary_lengths"));
+  EXPECT_EQ(block["boundary_lengths"].size(), 0);
   EXPECT_EQ(block["circles"].size(), 0);
   EXPECT_EQ(block["type"].string(), "HYPERBOLIC");
   EXPECT_EQ(block["period_matrix"]["size"].number(), 2);

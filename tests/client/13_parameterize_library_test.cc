@@ -97,6 +97,38 @@ TEST(ArrayAssembler, TakesACarriedFieldAndAnswersWithoutOne) {
               HasSubstr("CARRIED: has a number that is not finite"));
 }
 
+TEST(ArrayAssembler, TakesGeodesicsAndChecksWhoseTheyAre) {
+  std::vector<double> rows(3 * 7, 0.25);
+  ArrayAssembler assembler;
+  for (const Chunk& one : square()) ASSERT_OK(assembler.take(one));
+  ASSERT_OK(assembler.take(chunk<double>(Chunk::GEODESICS, 3, 7, rows)));
+  auto mesh = assembler.finish();
+  ASSERT_OK(mesh);
+  EXPECT_EQ(mesh->geodesics, rows);
+  v1::ClosedGeodesic& geodesic = *mesh->result.mutable_hyperbolic()->add_geodesics();
+  const auto check = [&](int first, int points) {
+    geodesic.set_first_point(first);
+    geodesic.set_points(points);
+    return checkGeodesics(*mesh);
+  };
+  EXPECT_OK(check(0, 3));
+  EXPECT_OK(check(2, 1));
+  EXPECT_THAT(check(2, 2), FailsWith(Reason::kInternal));
+  EXPECT_THAT(check(-1, 2), FailsWith(Reason::kInternal));
+  EXPECT_THAT(check(0, 0), FailsWith(Reason::kInternal));
+  EXPECT_THAT(check(std::numeric_limits<int>::max(), std::numeric_limits<int>::max()),
+              FailsWith(Reason::kInternal));
+  rows[9] = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(errorAfter([&](auto& chunks) {
+                chunks.push_back(chunk<double>(Chunk::GEODESICS, 3, 7, rows));
+              }),
+              HasSubstr("GEODESICS: has a number that is not finite"));
+  EXPECT_THAT(errorAfter([&](auto& chunks) {
+                chunks.push_back(chunk<double>(Chunk::GEODESICS, 7, 3, rows));
+              }),
+              HasSubstr("GEODESICS: no such array can have 7 x 3 numbers"));
+}
+
 TEST(ArrayAssembler, RefusesShapesThatNoArrayHas) {
   EXPECT_EQ(assemblyError(square()), "");
   EXPECT_THAT(errorAfter([](auto& chunks) { chunks[2].set_columns(3); }),

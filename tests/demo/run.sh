@@ -68,5 +68,9 @@ say "10. Maps without a fold: to the sphere, to a disk with round holes, to the 
 "$moduli" parameterize "$out/meshes/tori/torus-2.ply" --to flat -o "$out/flat.obj" \
   --picture "$out/map-flat.png"
 
+say "11. A pretzel, cut open, in the Poincaré disk, with its shortest closed geodesics"
+"$moduli" parameterize "$out/meshes/pretzels/genus-2.ply" --to hyperbolic -o "$out/disk.obj" \
+  --picture "$out/map-disk.png"
+
 say "Done. Look at:"
 ls "$out"/*.png

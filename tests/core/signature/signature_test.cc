@@ -6,7 +6,6 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/signature/amplitudes.h"
 #include "core/signature/compute.h"
 #include "core/signature/conformal_block.h"
 #include "core/signature/distance.h"
@@ -220,19 +219,29 @@ TEST(Signature, HasTheConformalBlockOfEveryTopology) {
   }
 }
 
-TEST(Signature, SaysWhichSpacesOfATopologyAreMissing) {
+TEST(Signature, EveryTopologyHasAllSpacesOfOneLength) {
   const TriangleSoup genus_two = shapes::chainOfTori(2);
   const Signature all = sign(genus_two);
-  EXPECT_TRUE(all.conformal);
-  EXPECT_FALSE(all.metric || all.shape);
-  EXPECT_THAT(all.certificate.warnings, testing::Contains(testing::HasSubstr("SPACES_OMITTED")));
+  EXPECT_TRUE(all.conformal && all.metric && all.shape);
+  EXPECT_EQ(all.metric->laplace_spectrum.size(), 50U);
+  EXPECT_TRUE(all.metric->conformal_factor_spectrum.empty());
+  EXPECT_LT(*all.certificate.mode_residual, 1e-6);
   EXPECT_EQ(all.conformal->energy_spectrum,
             sign(genus_two, Space::kConformal).conformal->energy_spectrum);
-  EXPECT_THAT(sign(genus_two, Space::kConformal).certificate.warnings,
-              testing::Not(testing::Contains(testing::HasSubstr("SPACES_OMITTED"))));
-  const auto metric = tryToSign(genus_two, Space::kMetric);
-  EXPECT_THAT(metric, FailsWith(Reason::kUnsupportedTopology));
-  EXPECT_THAT(metric.status().message(), testing::HasSubstr("genus 2 with 0 boundary loops"));
+  const Signature metric = sign(genus_two, Space::kMetric);
+  EXPECT_EQ(metric.vectors.metric, all.vectors.metric);
+  EXPECT_FALSE(metric.conformal || metric.shape);
+  const Signature shape = sign(genus_two, Space::kShape);
+  EXPECT_EQ(shape.vectors.shape, all.vectors.shape);
+  for (const char* kind : {"sphere", "torus", "annulus", "disk", "plate"}) {
+    const Signature other = sign(surfaces::sample(kind, {{"resolution", 6}}));
+    EXPECT_EQ(other.vectors.metric.size(), all.vectors.metric.size()) << kind;
+    EXPECT_EQ(other.vectors.shape.size(), all.vectors.shape.size()) << kind;
+    const SignatureDistances distances = signatureDistances(all, other);
+    EXPECT_FALSE(distances.conformal) << kind;
+    EXPECT_GT(*distances.metric, 0.1) << kind;
+    EXPECT_GT(*distances.shape, 0.1) << kind;
+  }
 }
 
 /// A plate with more holes than the limit of periods: the rest of the signature is kept.
@@ -393,14 +402,6 @@ TEST(Distances, AreThoseOfTheSearchVectors) {
   const Signature alone = sign(surfaces::sample("torus", {{"resolution", 12}}), Space::kShape);
   EXPECT_NEAR(*signatureDistance(a, alone, Space::kShape), *d.shape, 1e-5 * *d.shape);
   EXPECT_FALSE(signatureDistance(a, alone, Space::kMetric));
-}
-
-TEST(Amplitudes, CombineFactorAndCurvature) {
-  MetricBlock metric{{4, 0}};
-  ShapeBlock shape{{9, 81}, {-6, 0}};
-  // Degree 1: k = h; lambda = 2, k = -3 in one mode. Degree 2: k = h / 3.
-  const std::vector<double> x = shapeAmplitudes(metric, shape);
-  EXPECT_THAT(x, testing::ElementsAre(3, 3, 0.5, 1.5, 2.5, 1.5));
 }
 
 /// What must not change: place, size and numbering. Real meshes, one after the other.

@@ -86,6 +86,43 @@ TEST(LiveIndex, AnyInterleavingOfWritesAndRebuildsAnswersLikeTheModel) {
   }
 }
 
+// Large enough that there are several indexes of different sizes beside the tail; rows come in any
+// order of ids, and some go again.
+TEST(LiveIndex, SnapshotsAndTailAnswerLikeLookingAtEveryRow) {
+  constexpr std::size_t kWide = 10;
+  std::mt19937 random(5);
+  std::normal_distribution<float> normal;
+  VectorSet all{kWide, {}, {}};
+  for (std::int64_t id = 0; id < 6000; ++id) {
+    all.ids.push_back((id * 2741) % 6007);  // Distinct, for 6007 is prime.
+    for (std::size_t i = 0; i < kWide; ++i) all.values.push_back(std::round(3 * normal(random)));
+  }
+  const auto rows = [&](std::size_t begin, std::size_t end) {
+    return VectorSet{kWide,
+                     {all.values.begin() + begin * kWide, all.values.begin() + end * kWide},
+                     {all.ids.begin() + begin, all.ids.begin() + end}};
+  };
+  const auto index = *LiveIndex::build(rows(0, 2000), {0.125, 100});
+  std::vector<bool> removed(6007, false);
+  for (std::size_t row = 2000; row < 6000; row += 50) {
+    const auto gone = std::span(all.ids).subspan(row / 3, 5);
+    for (const std::int64_t id : gone) removed[id] = true;
+    ASSERT_OK(index->apply(rows(row, row + 50), gone));
+    if (index->rebuildDue()) {
+      ASSERT_OK(index->rebuild());
+    }
+    if (row % 400 != 0) continue;
+    const auto present = [&](std::int64_t id) { return !removed[id]; };
+    const auto brute = *makeBruteForceIndex(rows(0, row + 50));
+    Context context;
+    for (int q = 0; q < 5; ++q) {
+      std::vector<float> query(kWide);
+      for (float& value : query) value = std::round(3 * normal(random));
+      ASSERT_EQ(*index->search(context, query, 20), *brute->search(context, query, 20, present));
+    }
+  }
+}
+
 TEST(LiveIndex, RefusesWhatDoesNotFitAndStaysAsItWas) {
   const auto index = emptyIndex(10);
   Context context;

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/base/context.h"
+#include "core/mesh/connectivity.h"
+
+/// The vibrations of a surface: eigenpairs of its Laplace-Beltrami operator. They are made of
+/// lengths alone, so that bending keeps them, and there are as many for every topology.
+namespace moduli {
+
+/// Pairs that descriptors use, the constant one left out.
+inline constexpr Eigen::Index kModeCount = 50;
+
+/// Eigenpairs of a surface scaled to area 1; a boundary is free (Neumann's condition).
+struct SurfaceModes {
+  Eigen::VectorXd values;       ///< kModeCount, ascending, positive; tend to 4 pi k (Weyl).
+  Eigen::MatrixXd functions;    ///< vertices x kModeCount, orthonormal by `areas`.
+  std::vector<double> areas;    ///< Per vertex its share of the area, sum 1.
+  double largest_residual = 0;  ///< As EigenPairs has it.
+};
+
+/// Piecewise linear functions with lumped masses, whose values are too small: on equilateral faces
+/// with sides h by the part mu h^2 / 16, which is what a mass matrix halfway to the consistent one
+/// would give back. That part is given back to each value by the first order of perturbation, in
+/// the mean over values within some percent of it, so that multiplets and the end of the list do
+/// not matter: fourth order on equilateral triangulations, and most of the error gone on others.
+///
+/// lengths: per edge, proper triangles, a connected surface. Functions are known up to sign, and up
+/// to rotations among equal values: only what such rotations keep may enter a descriptor. A surface
+/// of fewer than kModeCount + 1 vertices gets its missing modes as values of Weyl's law after the
+/// last one and functions 0. Fails as smallestEigenpairs does. Stages as its. About 6 F.
+Result<SurfaceModes> surfaceModes(Context& context, const Connectivity& surface,
+                                  const std::vector<double>& lengths);
+
+/// 1 for values well below the last one known, falling smoothly to 0 there: with it a sum over
+/// modes does not see where the list ends, not even within a multiplet.
+double modeTaper(double value, double last);
+
+}  // namespace moduli
