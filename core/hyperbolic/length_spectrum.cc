@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "core/hyperbolic/axis.h"
+#include "core/hyperbolic/lifts.h"
 #include "core/hyperbolic/orbit_search.h"
+#include "core/hyperbolic/polygon_copies.h"
 
 namespace moduli {
 namespace {
@@ -93,6 +95,14 @@ Su11 carriedToPolygon(const OrbitPolygon& polygon, const Su11& element) {
 
 std::vector<Su11> conjugatesAcross(const OrbitPolygon& polygon, const Su11& element, double slack) {
   std::vector<Su11> found{element};
+  if (reachesFar(polygon)) {
+    // In doubles, the axes at one end of a long collar would be copied without end at the other.
+    const auto pairings = pairingsOf(polygon, element);
+    const auto map = pairings.empty() ? widened(element) : productOf(polygon, pairings);
+    found.clear();
+    for (const Lift& lift : liftsAcross(polygon, map, slack)) found.push_back(lift.shape);
+    return found;
+  }
   OrbitIndex index(polygon.separation);
   index.enter(element, 0);
   for (std::size_t i = 0; i < found.size(); ++i)
@@ -138,14 +148,17 @@ Result<LengthSpectrum> systoles(Context& context, const OrbitPolygon& polygon,
                                 const SpectrumOptions& options) {
   // The shortest of any elements is an upper bound, up to the rounding of their lengths.
   double length = translationLength(polygon.pairings.front().map);
-  for (const GroupElement& g : polygon.pairings) {
+  for (const GroupElement& g : polygon.pairings)
     length = std::min(length, translationLength(g.map));
-    for (const GroupElement& h : polygon.pairings) {
-      const Su11 product = g.map * h.map;
-      if (displacement(product) > polygon.separation / 2)
-        length = std::min(length, translationLength(product));
+  for (std::size_t i = 0; i < polygon.pairings.size(); ++i)
+    for (std::size_t k = 0; k < polygon.pairings.size(); ++k) {
+      const Su11 product = polygon.pairings[i].map * polygon.pairings[k].map;
+      if (displacement(product) < polygon.separation / 2 || translationLength(product) >= length)
+        continue;
+      // The product of far ones is a short one with the rounding of far ones.
+      const double exact = translationLength(rounded(polygon.wide[i] * polygon.wide[k]));
+      if (exact > 0) length = std::min(length, exact);
     }
-  }
   length *= 1 + 1e-5;
   ASSIGN_OR_RETURN(LengthSpectrum spectrum, lengthSpectrum(context, polygon, length, options));
   if (spectrum.complete_to < length)

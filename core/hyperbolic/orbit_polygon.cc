@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <utility>
+
+#include "core/base/text.h"
+#include "core/hyperbolic/klein_cell.h"
 
 namespace moduli {
 namespace {
@@ -17,8 +21,10 @@ constexpr double kAreaTolerance = 1e-6;
 constexpr double kAreaReached = 1e-10;
 /// Rounding of the generators, more than this leaves no doubt that they are another group's.
 constexpr double kAreaOfRounding = 1e-2;
-/// A corner cut off by less is not.
-constexpr double kSliver = 1e-12;
+/// In Klein's model: distances of 6.
+constexpr double kFar = 1 - 1e-5;
+/// Corners are right to 1e-16 e^{2 r}, and axes through them must be told apart.
+constexpr double kFarthest = 10.5;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// As GroupElement, in 113 bits: products of elements that move 0 by d lose a factor e^{d} each
@@ -44,115 +50,27 @@ WideElement productOf(const WideElement& g, const WideElement& h) {
   return elementOf(renormalized(g.map * h.map), reduceWord(word));
 }
 
-/// A convex polygon in Klein's model, where geodesics are straight; the side from corner i to the
-/// next lies on the bisector of the element side[i], or on the frame where it is negative.
-struct Cell {
-  std::vector<Complex> corner{{-2, -2}, {2, -2}, {2, 2}, {-2, 2}};
-  std::vector<int> side{-1, -1, -1, -1};
-  double reach = 3;  ///< The largest |corner|, or more.
-
-  void measureReach() {
-    double square = 0;
-    for (const Complex& k : corner) square = std::max(square, std::norm(k));
-    reach = std::sqrt(square);
-  }
-};
-
-/// The points k with Re(conj(direction) k) > height are nearer to g(0) than to 0.
-struct Bisector {
-  explicit Bisector(const Su11& g) {
-    const double b = std::sqrt(std::norm(g.b));
-    const double a = std::sqrt(std::norm(g.a));
-    height = b / a;
-    direction = g.b * g.a / (a * b);
-  }
-  double above(Complex k) const {
-    return direction.real() * k.real() + direction.imag() * k.imag() - height;
-  }
-
-  double height = 0;
-  Complex direction;
-};
-
-/// Whether cutOff would find anything.
-bool cuts(const Cell& cell, const Su11& g) {
-  const Bisector bisector(g);
-  if (bisector.height >= cell.reach) return false;
-  return std::any_of(cell.corner.begin(), cell.corner.end(),
-                     [&bisector](Complex k) { return bisector.above(k) > kSliver; });
-}
-
-/// Cuts off what is nearer to g(0) than to 0. Returns whether that was anything.
-bool cutOff(Cell& cell, const Su11& g, int label) {
-  if (!cuts(cell, g)) return false;
-  const Bisector bisector(g);
-  const std::size_t n = cell.corner.size();
-  std::vector<double> above(n);
-  for (std::size_t i = 0; i < n; ++i) above[i] = bisector.above(cell.corner[i]);
-  Cell rest{{}, {}, 0};
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t j = (i + 1) % n;
-    const bool in = above[i] <= 0;
-    if (in) {
-      rest.corner.push_back(cell.corner[i]);
-      rest.side.push_back(cell.side[i]);
-    }
-    if (in == (above[j] <= 0)) continue;
-    const double t = above[i] / (above[i] - above[j]);
-    rest.corner.push_back(cell.corner[i] + t * (cell.corner[j] - cell.corner[i]));
-    rest.side.push_back(in ? label : cell.side[i]);
-  }
-  cell = std::move(rest);
-  cell.measureReach();
-  return true;
-}
-
-Cell cellOf(const Elements& elements) {
-  Cell cell;
+KleinCell cellOf(const Elements& elements) {
+  KleinCell cell;
   for (std::size_t i = 0; i < elements.size(); ++i)
-    cutOff(cell, elements[i].shape, static_cast<int>(i));
+    cutOff(cell, elements[i].map, elements[i].shape, static_cast<int>(i));
   return cell;
 }
 
-bool isBounded(const Cell& cell) {
-  return cell.reach < 1 - 1e-14;
-}
-
-Complex diskPoint(Complex klein) {
-  const double k = std::abs(klein);
-  return klein / (1 + std::sqrt((1 - k) * (1 + k)));
-}
-
-/// Precondition: bounded.
-double areaOf(const Cell& cell) {
-  double area = 0;
-  for (std::size_t i = 0; i < cell.corner.size(); ++i) {
-    const Complex p = diskPoint(cell.corner[i]);
-    const Complex q = diskPoint(cell.corner[(i + 1) % cell.corner.size()]);
-    area -= 2 * std::arg(1.0 - std::conj(p) * q);
-  }
-  return area;
-}
-
-/// Whether both are the same isometry, up to rounding.
-bool isSame(const Su11& g, const Su11& h) {
-  const double most = kSamePoint * kSamePoint * std::norm(g.a);
-  return (std::norm(g.b - h.b) < most && std::norm(g.a - h.a) < most) ||
-         (std::norm(g.b + h.b) < most && std::norm(g.a + h.a) < most);
-}
-
-/// The elements of the sides, and their inverses.
-Elements neighboursOf(const Cell& cell, const Elements& elements) {
+/// The elements of the sides, and their inverses. The cell's sides are renumbered to them.
+Elements neighboursOf(KleinCell& cell, const Elements& elements) {
   Elements result;
   const auto add = [&result](WideElement g) {
-    for (const WideElement& h : result)
-      if (isSame(g.shape, h.shape)) return;
+    for (std::size_t k = 0; k < result.size(); ++k)
+      if (sameElement(g.shape, result[k].shape)) return static_cast<int>(k);
     result.push_back(std::move(g));
+    return static_cast<int>(result.size()) - 1;
   };
-  for (const int side : cell.side) {
+  for (int& side : cell.side) {
     if (side < 0) continue;
-    add(elements[side]);
-    add(inverseOf(elements[side]));
+    const WideElement& g = elements[side];
+    side = add(g);
+    add(inverseOf(g));
   }
   return result;
 }
@@ -182,6 +100,39 @@ Status needTranslation(const Su11& g) {
                                       ", but a closed surface's elements are translations"};
 }
 
+/// A translation much shorter than the distances of the polygon: it takes hundreds of steps to
+/// where its axis passes another corner.
+constexpr double kShort = 0.25;
+
+/// Multiplies elements from the left by powers of a short one.
+class Turner {
+ public:
+  explicit Turner(const WideElement& c)
+      : short_(c), frame_(frameOf(axisOf(c.shape))), length_(translationLength(c.shape)) {}
+
+  /// The power of it that brings g(0) nearest to 0: its images lie beside the axis.
+  int turnsOf(const Su11& g) const {
+    return static_cast<int>(std::lround(
+        (alongDiameter(inverse(frame_)) - alongDiameter(inverse(frame_) * g)) / length_));
+  }
+  Su11 turned(const Su11& g, int turns) const {
+    return frame_ * translation(turns * length_) * inverse(frame_) * g;
+  }
+  WideElement turned(WideElement g, int turns) const {
+    WideElement power = turns > 0 ? short_ : inverseOf(short_);
+    for (turns = std::abs(turns); turns > 0; turns /= 2) {
+      if (turns % 2 != 0) g = productOf(power, g);
+      if (turns > 1) power = productOf(power, power);
+    }
+    return g;
+  }
+
+ private:
+  const WideElement& short_;
+  Su11 frame_;
+  double length_;
+};
+
 /// Whether descend leads to 1, as far as doubles tell.
 bool descendsToUnit(Su11 g, const Elements& neighbours) {
   constexpr double kLargest = 1e5;  // Its products are right to 1e-16 kLargest^2.
@@ -200,32 +151,75 @@ bool descendsToUnit(Su11 g, const Elements& neighbours) {
   return std::abs(g.b) < kSamePoint;
 }
 
-/// The neighbours, and those of their products and of what remains of the generators that cut the
-/// cell of the neighbours. Nothing else can be a side: the cell only gets smaller.
-Result<Elements> grow(const Cell& cell, const Elements& neighbours, const Elements& generators) {
-  Elements result = neighbours;
-  const auto add = [&](WideElement g) -> Status {
-    RETURN_IF_ERROR(needTranslation(g.shape));
-    if (std::abs(g.shape.b) > kSamePoint && cuts(cell, g.shape)) result.push_back(std::move(g));
-    return {};
-  };
-  for (const WideElement& generator : generators) {
-    if (descendsToUnit(generator.shape, neighbours)) continue;
-    WideElement rest = descend(generator, neighbours);
-    RETURN_IF_ERROR(add(inverseOf(rest)));
-    RETURN_IF_ERROR(add(std::move(rest)));
+/// The neighbours, and those that cut their cell of their products, of what remains of the
+/// generators, and of what powers of short neighbours make of all these. Nothing else can be a
+/// side: the cell only gets smaller.
+class Growth {
+ public:
+  Growth(const KleinCell& cell, const Elements& neighbours)
+      : cell_(cell), neighbours_(neighbours), result_(neighbours) {
+    for (const WideElement& g : neighbours)
+      if (translationLength(g.shape) < kShort) turners_.emplace_back(g);
   }
-  for (const WideElement& g : neighbours) {
-    for (const WideElement& h : neighbours) {
-      const Su11 shape = g.shape * h.shape;
-      if (cuts(cell, shape)) RETURN_IF_ERROR(add(productOf(g, h)));
+
+  Result<Elements> run(const Elements& generators) {
+    for (const WideElement& g : neighbours_)
+      RETURN_IF_ERROR(addTurned(g.shape, sizeOf(g), [&g] { return g; }));
+    for (const WideElement& generator : generators) {
+      if (turners_.empty() && descendsToUnit(generator.shape, neighbours_)) continue;
+      const WideElement rest = descend(generator, neighbours_);
+      for (const WideElement& g : {rest, inverseOf(rest)}) {
+        RETURN_IF_ERROR(add(g));
+        RETURN_IF_ERROR(addTurned(g.shape, sizeOf(g), [&g] { return g; }));
+      }
     }
+    for (const WideElement& g : neighbours_) {
+      for (const WideElement& h : neighbours_) {
+        const Su11 shape = g.shape * h.shape;
+        const double size = sizeOf(g) * sizeOf(h);
+        const auto product = [&] { return productOf(g, h); };
+        if (mayCut(shape, size)) RETURN_IF_ERROR(add(product()));
+        RETURN_IF_ERROR(addTurned(shape, size, product));
+      }
+    }
+    return std::move(result_);
   }
-  return result;
-}
+
+ private:
+  static double sizeOf(const WideElement& g) { return std::sqrt(std::norm(g.shape.a)); }
+
+  /// size: the product of those of the factors, which rounding is of.
+  bool mayCut(const Su11& g, double size) const {
+    return mayCutOff(cell_, g, 1e-15 * (1 + size / std::sqrt(std::norm(g.a))));
+  }
+
+  Status add(WideElement g) {
+    RETURN_IF_ERROR(needTranslation(g.shape));
+    if (std::abs(g.shape.b) > kSamePoint && cutsOff(cell_, g.map, g.shape))
+      result_.push_back(std::move(g));
+    return {};
+  }
+
+  template <typename Make>
+  Status addTurned(const Su11& shape, double size, const Make& make) {
+    for (const Turner& turner : turners_) {
+      const int turns = turner.turnsOf(shape);
+      if (std::abs(turns) < 2) continue;
+      const Su11 turned = turner.turned(shape, turns);
+      const double power = std::sqrt(std::norm(turned.a)) + size;
+      if (mayCut(turned, size * power)) RETURN_IF_ERROR(add(turner.turned(make(), turns)));
+    }
+    return {};
+  }
+
+  const KleinCell& cell_;
+  const Elements& neighbours_;
+  std::vector<Turner> turners_;
+  Elements result_;
+};
 
 struct Domain {
-  Cell cell;
+  KleinCell cell;
   Elements neighbours;
   double area_error = 0;
 };
@@ -240,29 +234,53 @@ Status tooSmall(double excess, int genus) {
           "give generators that move the centre of the disk less"};
 }
 
+/// Not OK where an element is so short that the polygon, up to `reach` in Klein's model, reaches
+/// further across its collar than doubles hold.
+Status collarTooLong(const Elements& elements, double reach) {
+  double length = kShort;
+  for (const WideElement& g : elements) length = std::min(length, translationLength(g.shape));
+  if (length >= kShort || reach < std::tanh(kFarthest)) return {};
+  return {Reason::kResidualTooLarge,
+          "the collar of a closed geodesic of length " + shortestDouble(length) +
+              " reaches to distance " + shortestDouble(std::asinh(1 / std::sinh(length / 2))) +
+              " on either side; with it the polygon reaches further than " +
+              shortestDouble(kFarthest) + ", where doubles end",
+          "take a surface with fewer or longer short geodesics"};
+}
+
 /// Products until the area is right. elements: generate the group, with their inverses.
 Result<Domain> closeDomain(Context& context, Elements elements, int genus) {
   const Elements generators = elements;
   const double area = 4 * kPi * (genus - 1);
   double last = kUnbounded;
+  double reach = 0;
   for (int round = 0; round < 100; ++round) {
     RETURN_IF_ERROR(context.check());
-    Cell cell = cellOf(elements);
+    KleinCell cell = cellOf(elements);
     Elements neighbours = neighboursOf(cell, elements);
     const double excess = isBounded(cell) ? areaOf(cell) / area - 1 : kUnbounded;
     const bool stays = excess > last / 2;
     last = excess;
-    if (std::abs(excess) < kAreaTolerance && (excess < kAreaReached || stays))
+    const bool closed = std::abs(excess) < kAreaTolerance;
+    const auto domain = [&] {
       return Domain{std::move(cell), std::move(neighbours), std::abs(excess) * area};
-    if (excess < 0) return tooSmall(excess, genus);
+    };
+    // Whole sides in the middle of a collar are smaller than the rounding of the area.
+    const bool far = cell.reach > kFar;
+    if (closed && !far && (excess < kAreaReached || stays)) return domain();
+    reach = cell.reach;
     const std::size_t sides = neighbours.size();
-    ASSIGN_OR_RETURN(elements, grow(cell, neighbours, generators));
-    if (elements.size() > sides) continue;
-    // What rounding leaves at corners cannot be cut off.
-    if (excess < kAreaTolerance)
-      return Domain{std::move(cell), std::move(neighbours), excess * area};
+    Result<Elements> grown = Growth(cell, neighbours).run(generators);
+    if (!grown.ok() || (excess < 0 && !closed)) {
+      RETURN_IF_ERROR(collarTooLong(generators, reach));
+      return grown.ok() ? tooSmall(excess, genus) : grown.status();
+    }
+    elements = *std::move(grown);
+    if (elements.size() > sides && round < 99) continue;
+    if (closed) return domain();
     break;
   }
+  RETURN_IF_ERROR(collarTooLong(generators, reach));
   return Status(
       Reason::kInvalidOption,
       "the elements generate no group of a closed surface of genus " + std::to_string(genus));
@@ -341,7 +359,10 @@ Su11 firstBase(Elements& elements) {
 }
 
 double reachOf(const Domain& domain) {
-  return 2 * std::atanh(std::abs(diskPoint(domain.cell.reach)));
+  double reach = 0;
+  for (const KleinPoint& corner : domain.cell.corner)
+    reach = std::max(reach, 2 * std::atanh(std::abs(diskPoint(corner))));
+  return reach;
 }
 
 /// Moves the base point by a pattern of steps, ever smaller, to where the polygon reaches less far.
@@ -399,9 +420,14 @@ Result<OrbitPolygon> orbitPolygon(Context& context, const std::vector<WideSu11>&
   for (std::size_t k = elements.size(); k-- > 0;) elements.push_back(inverseOf(elements[k]));
   ASSIGN_OR_RETURN(Domain domain, closeDomain(context, std::move(elements), genus));
   ASSIGN_OR_RETURN(domain, improveBase(context, std::move(domain), genus, polygon.base));
+  RETURN_IF_ERROR(collarTooLong(domain.neighbours, domain.cell.reach));
   polygon.base = renormalized(polygon.base);
-  for (WideElement& g : domain.neighbours) polygon.pairings.push_back({g.shape, std::move(g.word)});
-  for (const Complex& corner : domain.cell.corner) polygon.corners.push_back(diskPoint(corner));
+  for (WideElement& g : domain.neighbours) {
+    polygon.pairings.push_back({g.shape, std::move(g.word)});
+    polygon.wide.push_back(g.map);
+  }
+  polygon.sides = domain.cell.side;
+  for (const KleinPoint& corner : domain.cell.corner) polygon.corners.push_back(diskPoint(corner));
   polygon.radius = reachOf(domain);
   polygon.area_error = domain.area_error;
   polygon.separation = std::numeric_limits<double>::infinity();

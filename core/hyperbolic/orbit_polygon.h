@@ -29,7 +29,9 @@ struct OrbitPolygon {
   Su11 base;
   /// The elements g with a side on the bisector of 0 and g(0), closed under inverses.
   std::vector<GroupElement> pairings;
+  std::vector<WideSu11> wide;    ///< Their maps in 113 bits, as far as the generators were known.
   std::vector<Complex> corners;  ///< Counter-clockwise, inside the disk.
+  std::vector<int> sides;        ///< Per corner: the pairing of the side from it to the next.
   double radius = 0;             ///< The largest distance of a corner from 0.
   double separation = 0;         ///< The least distance of two points of the orbit.
   double area_error = 0;         ///< |area - 4 pi (genus - 1)| as computed.
@@ -43,7 +45,9 @@ struct OrbitPolygon {
 /// 4 pi (genus - 1); products of its pairings are tried until the areas agree to 1e-6 relative.
 /// Fails with kInvalidOption where an element turns or shifts to a point, or where no product cuts
 /// off more and the areas differ (wrong genus, or no closed surface's group); with
-/// kResidualTooLarge where rounding makes the polygon too small: generators that move 0 by d carry
+/// kResidualTooLarge where it would reach further than 10.5 across the collar of a short geodesic
+/// (one of length l reaches log(4 / l) on either side, three of 0.02 in a row are as much), and
+/// where rounding makes the polygon too small: generators that move 0 by d carry
 /// some 1e-16 e^{d/2}, multiplied again by the size of what they are multiplied with. Some 50 times
 /// O(n^2 + n m) for n pairings, at most 12 genus - 6 sides of the polygon, and m corners.
 /// Source: Voight 2009, Computing fundamental domains for Fuchsian groups; MATH 7.5.

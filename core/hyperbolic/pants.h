@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/base/context.h"
@@ -31,8 +32,8 @@ struct FenchelNielsenReading {
 /// directed as their elements; elements whose axes pass the polygon. The zero of twists depends on
 /// order and directions; see FenchelNielsen.
 ///
-/// On each side of an axis over each curve the copies of the polygon are searched, not past other
-/// axes, for the nearest axes over the two other cuffs of the pants. Fails with kInvalidOption for
+/// The surface is cut along the curves, and on each side of a curve the copies of the polygon's
+/// parts within the pants are searched for the two other cuffs. Fails with kInvalidOption for
 /// another number of curves or curves that cross; with kResidualTooLarge where a seam differs by
 /// 1e-6. Source: MATH 7.7.
 Result<FenchelNielsenReading> fenchelNielsen(Context& context, const OrbitPolygon& polygon,
@@ -44,10 +45,22 @@ struct PantsDecomposition {
   double seam_error = 0;
 };
 
+struct PantsOptions {
+  /// How many parts of copies of the polygon may be looked at. A million take some 2 s and, for
+  /// cuffs below 1e-2, 10 s; genus 12 takes a quarter of that.
+  std::size_t most_parts = 4'000'000;
+};
+
 /// Curves chosen greedily: the shortest simple closed geodesic, then the shortest one that is
-/// disjoint from those chosen, and so on; of equally short ones any. Fails with kNoConvergence
-/// where options.most_elements do not suffice to know 3 g - 3 of them.
+/// disjoint from those chosen, and so on; of equally short ones any.
+///
+/// The shortest one of the rest is the shortest one of a piece of the surface that is cut along
+/// those chosen. These pieces alone are searched, disk by disk, up to lengths that grow by 1/2 each
+/// time: for n disks some n e^{length} parts as long as a piece is large, and few in small ones.
+/// Fails with kNoConvergence, naming the pieces that are not pants yet, where options.most_parts do
+/// not suffice; with kResidualTooLarge where rounding leaves no surfaces in pieces, or as
+/// fenchelNielsen.
 Result<PantsDecomposition> pantsDecomposition(Context& context, const OrbitPolygon& polygon,
-                                              const SpectrumOptions& options = {});
+                                              const PantsOptions& options = {});
 
 }  // namespace moduli

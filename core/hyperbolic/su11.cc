@@ -50,6 +50,10 @@ double displacement(const Su11& g) {
   return 2 * std::asinh(std::abs(g.b));
 }
 
+bool sameElement(const Su11& g, const Su11& h) {
+  return std::norm((inverse(h) * g).b) < 1e-9;
+}
+
 double translationLength(const Su11& g) {
   const double cosine = std::abs(g.a.real());
   // An error of 1e-16 |a| in each entry moves l by 2e-16 |a| / sinh(l / 2) through the cosine and

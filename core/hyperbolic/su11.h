@@ -60,6 +60,10 @@ inline double trace(const Su11& g) {
 /// d(0, g 0) = 2 asinh |b|.
 double displacement(const Su11& g);
 
+/// Whether g and h are one element of a group whose elements other than 1 move 0 by 1e-4 and more.
+/// By the image of 0: of far ones entries alone do not tell. Rounding: 1e-16 e^{displacement}.
+bool sameElement(const Su11& g, const Su11& h);
+
 /// The length by which g translates along its axis, 2 acosh(|trace| / 2); 0 where g has no axis. Of
 /// cosh(l / 2) = |Re a| and sinh(l / 2)^2 = |b|^2 - (Im a)^2 the one that rounds less is taken.
 double translationLength(const Su11& g);

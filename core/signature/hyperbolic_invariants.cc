@@ -27,9 +27,7 @@ Status addGeodesics(Context& context, const FuchsianGroup& group, std::optional<
     result.lengths.push_back(geodesic.length);
   }
   result.complete_to = spectrum.complete_to;
-  SpectrumOptions options;
-  options.most_elements = kSignatureElements;
-  const Result<PantsDecomposition> pants = pantsDecomposition(context, polygon, options);
+  const Result<PantsDecomposition> pants = pantsDecomposition(context, polygon);
   if (stops(pants.status())) return pants.status();
   result.pants_curves = pants.status();
   if (pants.ok()) result.pants = {pants->coordinates.lengths, pants->coordinates.twists};

@@ -97,5 +97,39 @@ TEST_P(RealSpectra, DoNotDependOnTheLayoutAndFollowFromThePants) {
   }
 }
 
+class LongPants : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(Meshes, LongPants,
+                         testing::Values(Case{"genus3plus/odedstein__boot.obj", 2},
+                                         Case{"multi_boundary/gpeyre__pipes.off", 4}));
+
+TEST_P(LongPants, AreFoundAndMakeTheSurface) {
+  // Their longest curves are 9.8 and 6.8 long, where the whole surface has 10^7 and 10^5 elements.
+  MODULI_NEED_SHARED_MESH(path, GetParam().name);
+  const auto triangles = uniformizeFile(path);
+  ASSERT_OK(triangles);
+  Context context;
+  const auto group = computeFuchsianGroup(context, *triangles);
+  ASSERT_OK(group);
+  const auto polygon = orbitPolygon(context, *group);
+  ASSERT_OK(polygon);
+  const auto pants = pantsDecomposition(context, *polygon, {.most_parts = 500'000});
+  ASSERT_OK(pants);
+  ASSERT_EQ(pants->curves.size(), static_cast<std::size_t>(3 * polygon->genus - 3));
+  // Seen 1e-11: axes at distance 5 along curves of length 10.
+  EXPECT_LT(pants->seam_error, 1e-8);
+  const auto rebuilt = groupFromFenchelNielsen(pants->coordinates);
+  ASSERT_OK(rebuilt);
+  const auto again = orbitPolygon(context, rebuilt->generators, polygon->genus);
+  ASSERT_OK(again);
+  const auto first = lengthSpectrum(context, *polygon, GetParam().length);
+  ASSERT_OK(first);
+  const auto second = lengthSpectrum(context, *again, GetParam().length);
+  ASSERT_OK(second);
+  ASSERT_FALSE(first->geodesics.empty());
+  // A foot that is off by the seam's error over the length of the seam, 1e-2 at least, and a curve
+  // that passes a dozen of them.
+  expectNear(lengthsOf(*second), lengthsOf(*first), 1e-7);
+}
+
 }  // namespace
 }  // namespace moduli
