@@ -114,10 +114,7 @@ Status benchLengths(Context& context, const Steps& steps, benchmark::State& stat
 }
 
 Status benchPants(Context& context, const Steps& steps, benchmark::State& state) {
-  SpectrumOptions options;
-  options.most_elements = kSignatureElements;
-  ASSIGN_OR_RETURN(const PantsDecomposition found,
-                   pantsDecomposition(context, steps.polygon, options));
+  ASSIGN_OR_RETURN(const PantsDecomposition found, pantsDecomposition(context, steps.polygon));
   state.counters["seams"] = found.seam_error;
   return {};
 }
