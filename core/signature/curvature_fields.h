@@ -23,7 +23,7 @@ inline constexpr std::array<double, 2> kSmoothingTimes = {0.0004, 0.0025};
 /// implicit step (M + t L) x = M b of the heat equation, so that noise neither bends the surface
 /// nor makes it larger; the curvatures are those of the tensor across the normal. lengths: per
 /// edge, proper triangles. radius: the length that makes curvatures free of scale, in model units.
-/// Fails as SpdSolver does. About 1.5 F a time.
+/// Fails as SpdSolver does. About 1.3 F a time.
 Result<std::vector<SmoothedCurvatures>> smoothedCurvatures(Context& context,
                                                            const TriangleMesh& mesh,
                                                            const std::vector<double>& lengths,

@@ -28,7 +28,7 @@ std::vector<DescriptorPart> metricParts(const SurfaceModes& modes);
 /// What rigid motion and scaling keep. Parts: those of the metric, but every second time of the
 /// heat kernel alone; "bend-0", "bend-1" (roots of shapeIndexHistogram at both times of smoothing);
 /// "surface", "solid" (shellPower). lengths: per edge, proper triangles.
-/// Fails as smoothedCurvatures and shellPower do. About 6 F. Stages as theirs.
+/// Fails as smoothedCurvatures and shellPower do. About 4 F. Stages as theirs.
 Result<std::vector<DescriptorPart>> shapeParts(Context& context, const TriangleMesh& mesh,
                                                const std::vector<double>& lengths,
                                                const SurfaceModes& modes);

@@ -7,8 +7,6 @@
 #include <numbers>
 #include <vector>
 
-#include "core/signature/diffusion_distances.h"
-#include "core/signature/field_blocks.h"
 #include "tests/core/signature/modes.h"
 #include "tests/core/spherical/surfaces.h"
 
@@ -77,47 +75,10 @@ TEST(KernelBlocks, DoNotSeeBending) {
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-8);
   };
-  Context context;
   close(spectrumBands(flat), spectrumBands(bent));
   for (int time = 0; time < kHeatTimes; ++time) {
     close(heatKernelQuantiles(flat)[time], heatKernelQuantiles(bent)[time]);
   }
-  const auto near_flat = diffusionDistances(context, flat);
-  const auto near_bent = diffusionDistances(context, bent);
-  ASSERT_OK(near_flat);
-  ASSERT_OK(near_bent);
-  close(*near_flat, *near_bent);
-}
-
-TEST(FieldAmplitudes, OfAModeAreItsSizeInTheWindowsOfItsValue) {
-  const SurfaceModes modes = modesOf(mesh(sample("torus", {{"R", 2}, {"resolution", 20}})));
-  std::vector<double> field(modes.areas.size());
-  for (std::size_t v = 0; v < field.size(); ++v) {
-    field[v] = 3 * modes.functions(static_cast<Eigen::Index>(v), 4);
-  }
-  const double place = std::log2(modes.values[4] / (4 * kPi)) + 2;
-  const std::vector<double> amplitudes = fieldAmplitudes(modes, field);
-  ASSERT_EQ(amplitudes.size(), std::size_t{kFieldWindows});
-  for (int window = 0; window < kFieldWindows; ++window) {
-    const double share = std::max(0.0, 1 - std::abs(place - window));
-    EXPECT_NEAR(amplitudes[window], 3 * std::sqrt(share), 1e-6) << window;
-  }
-}
-
-TEST(DiffusionDistances, OfASphereFollowTheAngle) {
-  // A sphere is two-point homogeneous; its farthest pairs are antipodes. Half of all pairs are
-  // farther than a right angle, so parts ascend and the middle lies between.
-  Context context;
-  const auto block = diffusionDistances(
-      context, modesOf(mesh(sample("sphere", {{"resolution", 16}, {"seed", 2}}))));
-  ASSERT_OK(block);
-  ASSERT_EQ(block->size(), std::size_t{2 * kDiffusionParts});
-  for (int i = 1; i < kDiffusionParts; ++i) EXPECT_GT((*block)[i], (*block)[i - 1]);
-  // sum over odd l of 2 (2 l + 1) P_l(..) / mu^2 at antipodes: d^2 = sum 4 (2 l + 1) / mu^2, l odd.
-  double squared = 0;
-  for (int l = 1; l < 6; l += 2) squared += 4 * (2 * l + 1) / std::pow(4 * kPi * l * (l + 1), 2);
-  // The last sixteenth of pairs is almost antipodal; logarithm of a mean plus 1 % of the largest.
-  EXPECT_NEAR((*block)[kDiffusionParts - 1], std::log(1.01 * std::sqrt(squared)), 0.03);
 }
 
 }  // namespace

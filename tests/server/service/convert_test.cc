@@ -19,7 +19,7 @@ Signature torusSignature() {
   block.tau_error = 1e-3;
   block.energy_spectrum = {0.5, 1.5, 1.5};
   block.energy_spectrum_error = 1e-4;
-  signature.metric = MetricBlock{{1.0, 0.1}};
+  signature.metric = MetricBlock{{12.5, 13.5}, {1.0, 0.1}};
   signature.shape = ShapeBlock{{2.0, 0.2}, {-3.0, 0.3}};
   signature.vectors = {{0.5F}, {1.0F, 0.25F}, {2.0F}};
   signature.certificate.flipped_faces = 0;
@@ -40,7 +40,10 @@ Signature borderedSignature() {
   block.period_matrix = PeriodEntries{2, {{0.5, 1}, {-0.25, 0.125}, {-0.25, 0.125}, {0, 2}}};
   block.period_error = 1e-6;
   block.circles = {{0, 1}, {0, 0.25}, {{0.6, -0.125}, 1e-5}};
+  block.boundary_lengths = {1.25, 4.5};
+  block.length_spectrum = {0.5, 1.25};
   signature.certificate.period_symmetry_residual = 1e-17;
+  signature.certificate.mode_residual = 1e-9;
   return signature;
 }
 
@@ -54,6 +57,9 @@ TEST(Convert, PeriodsTravelThereAndBackToTheLastBit) {
   EXPECT_EQ(back->conformal->period_matrix->values, signature.conformal->period_matrix->values);
   EXPECT_EQ(back->conformal->energy_spectrum, signature.conformal->energy_spectrum);
   EXPECT_EQ(back->conformal->modulus, 0.75);
+  EXPECT_EQ(back->conformal->boundary_lengths, signature.conformal->boundary_lengths);
+  EXPECT_EQ(back->metric->laplace_spectrum, signature.metric->laplace_spectrum);
+  EXPECT_EQ(back->certificate.mode_residual, 1e-9);
   EXPECT_EQ(back->certificate.period_symmetry_residual, 1e-17);
 }
 
