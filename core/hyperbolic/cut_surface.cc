@@ -105,7 +105,8 @@ PartEdge edgeBetween(const Point& from, const Point& to) {
   PartEdge edge{};
   edge.length = distanceOf(from, to);
   edge.from = from;
-  edge.pairing = edge.part = edge.cuff = -1;
+  edge.to = to;
+  edge.span = std::tanh(edge.length);
   if (edge.length > 0) {
     const Frame frame = frameAt(from, to);
     edge.line = frame.line;
@@ -286,11 +287,11 @@ Result<SurfacePiece> pieceOf(double area, std::vector<int> cuffs) {
 
 double distanceCosine(const PartEdge& edge, const Point& point) {
   const double start = distanceCosine(edge.from, point);
-  const double along = sideOfPoint(edge.across, point) / start;
-  if (along <= 0) return start;
-  const double beyond = edge.length - std::atanh(std::min(along, 1 - 1e-16));
-  const double line = std::hypot(1.0, sideOfPoint(edge.line, point));
-  return beyond >= 0 ? line : line * std::cosh(beyond);
+  const double foot = sideOfPoint(edge.across, point) / start;  // tanh of where it is.
+  if (foot <= 0) return start;
+  if (foot >= edge.span) return distanceCosine(edge.to, point);
+  const double side = sideOfPoint(edge.line, point);
+  return std::sqrt(1 + side * side);
 }
 
 Result<CutSurface> cutSurface(const OrbitPolygon& polygon, const Cuts& cuts) {

@@ -15,10 +15,11 @@ namespace moduli {
 
 /// A side of a part: on a side of the polygon, with a part beyond it, or on a cut.
 struct PartEdge {
-  Axis line;      ///< Through it, with the part on its left.
-  Point from;     ///< Where it starts, counter-clockwise.
-  Axis across;    ///< Through `from`, at a right angle, with the edge on its left.
-  double length;  ///< Of the edge.
+  Axis line;       ///< Through it, with the part on its left.
+  Point from, to;  ///< Counter-clockwise.
+  Axis across;     ///< Through `from`, at a right angle, with the edge on its left.
+  double length = 0;
+  double span = 0;  ///< tanh of the length.
   /// Beyond it lies this part of the copy `pairing` of the polygon, -1: of the polygon itself.
   int part = -1;  ///< -1 where rounding left nothing beyond a short edge.
   int pairing = -1;

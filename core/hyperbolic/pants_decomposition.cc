@@ -17,6 +17,8 @@ constexpr double kLengthTolerance = 1e-9;
 constexpr double kTouching = 1e-6;
 /// By how much more is searched each time; the work grows like e^{length}.
 constexpr double kLonger = 0.5;
+/// What is not found by then is lost: elements over it would not fit into doubles.
+constexpr double kLongest = 60;
 /// The geodesic that moves 0 least of its conjugates, with its word.
 ClosedGeodesic geodesicOf(const OrbitPolygon& polygon, const std::vector<Lift>& conjugates,
                           const std::vector<std::int32_t>& pairings) {
@@ -155,12 +157,14 @@ Result<PantsDecomposition> pantsDecomposition(Context& context, const OrbitPolyg
     double known = 0;
     double upto = std::min(kLonger, shortestPairing(polygon) * (1 + 1e-5));
     for (; chooser.curves.size() < wanted; upto += kLonger) {
+      RETURN_IF_ERROR(context.check());
       ASSIGN_OR_RETURN(const CutSurface cut, cutSurface(polygon, chooser.cuts));
       const auto disks = coverPieces(cut, chooser.cuts);
       ASSIGN_OR_RETURN(
           const PieceElements found,
           searchPieces(context, polygon, cut, disks, known * (1 - kLengthTolerance), upto, left));
-      if (!found.complete) return missingCurves(cut, chooser.curves.size(), known);
+      if (!found.complete || upto > kLongest)
+        return missingCurves(cut, chooser.curves.size(), known);
       left -= found.visited;
       chooser.choose(found.elements);
       known = upto;

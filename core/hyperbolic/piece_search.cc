@@ -142,7 +142,7 @@ void DiskSearch::note(std::int32_t i, std::vector<std::vector<std::int32_t>>& fo
   const Step& step = steps_[i];
   if (step.part != disk_.part || step.copy == 0) return;
   const Su11 seen = copies_.map(step.copy) * move_;
-  if (std::abs(seen.b) > sine_) return;
+  if (std::norm(seen.b) > sine_ * sine_) return;
   const double length = translationLength(seen);
   if (length <= above_ || length > upto_) return;
   if (std::abs(axisOf(seen).time) > std::sinh(disk_.radius) * (1 + kTouching) + kTouching) return;

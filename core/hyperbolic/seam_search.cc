@@ -51,11 +51,11 @@ class Strip {
   }
 
   /// Up to rounding: feet of points on an edge go one way.
-  bool meets(const PartEdge& edge, const Point& end) const {
+  bool meets(const PartEdge& edge) const {
     const auto misses = [&](const Axis& axis) {
-      const double rounding = 1e-14 * std::abs(axis.time) * std::max(edge.from.time, end.time);
+      const double rounding = 1e-14 * std::abs(axis.time) * std::max(edge.from.time, edge.to.time);
       const double slack = -kTouching - rounding;
-      return sideOfPoint(axis, edge.from) < slack && sideOfPoint(axis, end) < slack;
+      return sideOfPoint(axis, edge.from) < slack && sideOfPoint(axis, edge.to) < slack;
     };
     return !misses(from_) && !misses(to_);
   }
@@ -154,12 +154,10 @@ void SeamSearch::leave(const Step& step) {
   const Axis diameter = copies_.seenFrom(step.copy, {0, {0, 1}});
   const Axis tangent = copies_.seenFrom(step.copy, {0, 1});
   const Strip strip = strip_.seenFrom(copies_, step.copy);
-  const PolygonPart& part = cut_.parts[step.part];
-  for (std::size_t i = 0; i < part.edges.size(); ++i) {
-    const PartEdge& edge = part.edges[i];
+  for (const PartEdge& edge : cut_.parts[step.part].edges) {
     if (edge.cuff >= 0)
       note(edge, diameter, tangent);
-    else if (edge.part >= 0 && strip.meets(edge, part.corners[(i + 1) % part.corners.size()]))
+    else if (edge.part >= 0 && strip.meets(edge))
       enter(copies_.beyond(step.copy, edge.pairing), edge.part, heightOf(edge, diameter));
   }
 }
