@@ -89,7 +89,8 @@ std::vector<OptionSpec> signatureOptions() {
        .help =
            "Find all closed geodesics of a hyperbolic surface up to this length (curvature -1), "
            "as far as they are not too many; default: half as long again as the shortest, or "
-           "less where that takes long"});
+           "less where that takes long",
+       .check = isPositiveNumber});
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
   options.push_back(formatOption());
   return options;

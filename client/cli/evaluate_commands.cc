@@ -7,7 +7,7 @@
 #include "client/cli/prepare_arguments.h"
 #include "client/cli/report.h"
 #include "client/cli/session.h"
-#include "core/retrieval/precision_recall.h"
+#include "core/picture/precision_recall.h"
 
 /// evaluate, duplicates: what compares all shapes of a collection.
 namespace moduli::cli {

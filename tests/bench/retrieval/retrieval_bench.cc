@@ -12,7 +12,7 @@
 #include "core/base/text.h"
 #include "core/mesh/sample_tools.h"
 #include "core/mesh/write.h"
-#include "core/retrieval/precision_recall.h"
+#include "core/picture/precision_recall.h"
 #include "tests/bench/retrieval/score.h"
 #include "tests/bench/retrieval/variants.h"
 

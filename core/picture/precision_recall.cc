@@ -1,4 +1,4 @@
-#include "core/retrieval/precision_recall.h"
+#include "core/picture/precision_recall.h"
 
 #include <algorithm>
 #include <array>
