@@ -349,12 +349,17 @@ std::string shapeReport(const v1::Shape& shape) {
 
 std::string searchReport(const v1::SearchResult& result) {
   if (result.hits().empty()) return "nothing found\n";
+  std::vector<std::string> head = {"#", "distance", "name", "label"};
+  for (const v1::PartDistance& part : result.hits(0).parts()) head.push_back(safe(part.name()));
   std::vector<std::vector<std::string>> rows;
   for (const v1::SearchHit& hit : result.hits()) {
-    rows.push_back({std::to_string(rows.size() + 1), brief(hit.distance()), safe(hit.name()),
-                    safe(hit.label())});
+    std::vector<std::string> row = {std::to_string(rows.size() + 1), brief(hit.distance()),
+                                    safe(hit.name()), safe(hit.label())};
+    for (const v1::PartDistance& part : hit.parts()) row.push_back(brief(part.distance()));
+    row.resize(head.size());
+    rows.push_back(std::move(row));
   }
-  std::string text = alignedTable({"#", "distance", "name", "label"}, rows);
+  std::string text = alignedTable(head, rows);
   if (!result.exact()) text += "approximate: a nearer shape may have been missed\n";
   return text;
 }

@@ -27,6 +27,7 @@ Status runSearch(Session& session, const Arguments& arguments) {
   request.set_k(arguments.integer("k", kDefaultHits));
   request.set_space(spaceOf(arguments));
   request.set_filter(arguments.text("filter"));
+  request.set_explain(arguments.has("explain"));
   *request.mutable_prepare() = prepareOf(arguments);
 
   std::string what = arguments.text("id", arguments.text("MESH"));
@@ -75,6 +76,9 @@ std::vector<CommandSpec> searchCommands() {
       {.names = "--filter",
        .value = "EXPR",
        .help = "Only shapes for which this holds, as in 'genus >= 1 AND label = \"cup\"'"}};
+  options.push_back({.names = "--explain",
+                     .value = "",
+                     .help = "Also tell how far each hit is in each part of the descriptor"});
   options.push_back({.names = "--picture",
                      .value = "OUT.png",
                      .help = "Draw the query and the hits",

@@ -9,6 +9,7 @@
 #include "core/signature/curvature_fields.h"
 #include "core/signature/kernel_blocks.h"
 #include "core/signature/shell_power.h"
+#include "core/signature/soft_bins.h"
 #include "core/signature/surface_points.h"
 
 namespace moduli {
@@ -101,6 +102,37 @@ std::vector<double> weighParts(const std::vector<DescriptorPart>& parts) {
     const double factor = std::sqrt(weight) / scaleOf(part.name);
     std::transform(part.values.begin(), part.values.end(), std::back_inserter(result),
                    [factor](double value) { return factor * value; });
+  }
+  return result;
+}
+
+std::vector<FamilyDistance> familyDistances(std::span<const float> a, std::span<const float> b) {
+  struct Family {
+    std::string_view name;
+    int length;
+  };
+  constexpr int kHeat = kHeatTimes * kTailedParts, kWave = kWaveEnergies * kTailedParts;
+  constexpr std::array<Family, 3> kMetric = {
+      {{"spectrum"sv, kSpectrumBands}, {"heat"sv, kHeat}, {"wave"sv, kWave}}};
+  constexpr std::array<Family, 6> kShape = {{{"spectrum"sv, kSpectrumBands},
+                                             {"heat"sv, kHeat / 2},
+                                             {"wave"sv, kWave},
+                                             {"bend"sv, 2 * kShapeIndexBins},
+                                             {"surface"sv, kShellPowerLength},
+                                             {"solid"sv, kShellPowerLength}}};
+  std::span<const Family> families;
+  if (a.size() == kMetricLength) families = kMetric;
+  if (a.size() == kShapeLength) families = kShape;
+  if (a.size() != b.size()) families = {};
+  std::vector<FamilyDistance> result;
+  std::size_t i = 0;
+  for (const Family& family : families) {
+    double sum = 0;
+    for (const std::size_t end = i + static_cast<std::size_t>(family.length); i < end; ++i) {
+      const double difference = static_cast<double>(a[i]) - static_cast<double>(b[i]);
+      sum += difference * difference;
+    }
+    result.push_back({family.name, std::sqrt(sum)});
   }
   return result;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -48,5 +49,17 @@ struct PartScale {
 };
 inline constexpr int kPartCount = 21;
 extern const std::array<PartScale, kPartCount> kPartScales;
+
+/// How far apart two surfaces are in a family of parts alone: "spectrum", "heat", "wave", and in
+/// the shape space "bend", "surface" and "solid".
+struct FamilyDistance {
+  std::string_view name;
+  double distance;
+};
+
+/// By family; the squares add up to that of the distance of the vectors. a, b: vectors of the
+/// metric space (kMetricLength numbers) or of the shape space (kShapeLength); nothing for others.
+/// O(length).
+std::vector<FamilyDistance> familyDistances(std::span<const float> a, std::span<const float> b);
 
 }  // namespace moduli

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "core/signature/descriptor.h"
 #include "core/signature/distance.h"
 #include "server/rpc/convert.h"
 #include "server/service/request.h"
@@ -57,6 +58,25 @@ Status comparable(const Signature& signature, Space space) {
   return {};
 }
 
+/// Tells which parts of the query's vector the hits agree with.
+Status explain(const Catalog& catalog, const SearchQuery& query, const SearchAnswer& answer,
+               v1::SearchResult& result) {
+  for (std::size_t i = 0; i < answer.hits.size(); ++i) {
+    const std::int64_t id = answer.hits[i].id;
+    ASSIGN_OR_RETURN(const std::vector<ShapeRecord> records,
+                     catalog.getShapesById({&id, 1}, ShapeView::kFull));
+    if (records.empty()) continue;  // Removed meanwhile.
+    ASSIGN_OR_RETURN(const StoredSignature stored, readStored(records.front()));
+    const std::vector<float>& own = vectorOf(stored.signature.vectors, query.space);
+    for (const FamilyDistance& part : familyDistances(query.vector, own)) {
+      v1::PartDistance& message = *result.mutable_hits(static_cast<int>(i))->add_parts();
+      message.set_name(std::string(part.name));
+      message.set_distance(part.distance);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<v1::SearchResult> search(Context& context, const Backend& backend,
@@ -90,6 +110,9 @@ Result<v1::SearchResult> search(Context& context, const Backend& backend,
     one.set_name(hit.name);
     one.set_label(hit.label);
     one.set_distance(hit.distance);
+  }
+  if (request.explain() && query.space != Space::kConformal) {
+    RETURN_IF_ERROR(explain(*catalog, query, answer, result));
   }
   return result;
 }

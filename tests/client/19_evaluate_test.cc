@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "tests/client/cli_test.h"
 
 /// evaluate, duplicates, edit, and remove by filter, as their users see them.
@@ -123,6 +125,21 @@ TEST_F(Evaluate, AFilterRemovesManyAndSaysWhichBefore) {
   EXPECT_THAT(run({"remove", "-c", "z"}), IsUsageError());
   EXPECT_THAT(run({"remove", "-c", "z", "s1", "--dry-run"}), IsUsageError());
   expectRefusal({"remove", "-c", "z", "--filter", " "}, "which shapes are meant");
+}
+
+TEST_F(Evaluate, ASearchTellsWhichPartsAgree) {
+  const Json hits = json({"search", "-c", "z", "t1.obj", "--explain"})["hits"];
+  ASSERT_EQ(hits.size(), 6);
+  for (int n = 0; n < hits.size(); ++n) {
+    const Json parts = hits.at(n)["parts"];
+    ASSERT_EQ(parts.size(), 6);
+    double sum = 0;
+    for (int i = 0; i < 6; ++i) sum += std::pow(parts.at(i)["distance"].number(), 2);
+    EXPECT_NEAR(std::sqrt(sum), hits.at(n)["distance"].number(), 1e-9);
+  }
+  EXPECT_EQ(hits.at(0)["parts"].at(0)["name"].string(), "spectrum");
+  EXPECT_THAT(run({"search", "-c", "z", "t1.obj", "--explain"}).out, HasSubstr("solid"));
+  EXPECT_EQ(json({"search", "-c", "z", "t1.obj"})["hits"].at(0)["parts"].size(), 0);
 }
 
 }  // namespace

@@ -172,5 +172,38 @@ TEST(Descriptor, StopsWhenCancelled) {
               FailsWith(Reason::kCancelled));
 }
 
+TEST(FamilyDistances, AddUpToTheDistanceAndNameWhatDiffers) {
+  const TriangleSoup egg = sample("spheroid", {{"resolution", 6}, {"c", 1.7}});
+  const TriangleSoup ring = sample("torus", {{"resolution", 10}});
+  const Vectors a = vectorsOf(egg), b = vectorsOf(ring);
+  const auto expectSum = [](const std::vector<double>& x, const std::vector<double>& y,
+                            std::size_t families) {
+    const std::vector<float> p(x.begin(), x.end()), q(y.begin(), y.end());
+    const std::vector<FamilyDistance> parts = familyDistances(p, q);
+    ASSERT_EQ(parts.size(), families);
+    double sum = 0;
+    for (const FamilyDistance& part : parts) sum += part.distance * part.distance;
+    EXPECT_NEAR(std::sqrt(sum), distance(x, y), 1e-5 * distance(x, y));
+  };
+  expectSum(a.metric, b.metric, 3);
+  expectSum(a.shape, b.shape, 6);
+  // The families are those of the parts: a change of one part shows in its family alone.
+  Context context;
+  const SurfaceModes modes = surfaces::modesOf(mesh(egg));
+  const auto parts = shapeParts(context, mesh(egg), surfaces::properLengths(mesh(egg)), modes);
+  ASSERT_OK(parts);
+  for (std::size_t i = 0; i < parts->size(); ++i) {
+    std::vector<DescriptorPart> changed = *parts;
+    for (double& value : changed[i].values) value += 1;
+    const std::vector<double> x = weighParts(*parts), y = weighParts(changed);
+    const std::string_view family = (*parts)[i].name.substr(0, (*parts)[i].name.find('-'));
+    for (const FamilyDistance& part : familyDistances(std::vector<float>(x.begin(), x.end()),
+                                                      std::vector<float>(y.begin(), y.end()))) {
+      EXPECT_EQ(part.distance > 1e-3, part.name == family) << part.name << " " << family;
+    }
+  }
+  EXPECT_TRUE(familyDistances({}, {}).empty());
+}
+
 }  // namespace
 }  // namespace moduli
