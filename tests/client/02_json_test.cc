@@ -188,7 +188,8 @@ TEST_F(JsonOutput, CollectionsAndShapes) {
   const Json found = json({"search", "-c", "demo", "--id", "a", "-k", "1"});
   EXPECT_THAT(found.keys(), UnorderedElementsAre("hits", "exact"));
   ASSERT_EQ(found["hits"].size(), 1);
-  EXPECT_THAT(found["hits"].at(0).keys(), UnorderedElementsAre("name", "label", "distance", "parts"));
+  EXPECT_THAT(found["hits"].at(0).keys(),
+              UnorderedElementsAre("name", "label", "distance", "parts"));
   EXPECT_EQ(found["hits"].at(0)["name"].string(), "a");
 
   EXPECT_EQ(json({"get", "-c", "demo", "a", "-o", "back.off"})["file"].string(), "back.off");
