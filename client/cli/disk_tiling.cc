@@ -93,6 +93,19 @@ std::vector<Complex> axisPoints(const Su11& g) {
   return points;
 }
 
+/// The geodesic from a to b, both inside the disk, without b.
+std::vector<Complex> geodesic(Complex a, Complex b) {
+  constexpr double kStep = 0.1;
+  const double length = hyperbolicDistance(a, b);
+  const int parts = std::clamp(static_cast<int>(std::ceil(length / kStep)), 1, 200);
+  if (parts == 1 || !std::isfinite(length)) return {a};
+  const Su11 frame = edgeFrame(a, b);
+  std::vector<Complex> points;
+  for (int i = 0; i < parts; ++i)
+    points.push_back(imageOf(frame, std::tanh(length * i / parts / 2)));
+  return points;
+}
+
 /// Points of the disk found by their place.
 class PointIndex {
  public:
@@ -142,6 +155,14 @@ void append(Outline& outline, const std::array<double, 2>& p) {
     return;
   }
   outline.push_back(p);
+}
+
+/// The geodesic from a to b in pixels.
+Outline geodesicOutline(const Frame& frame, Complex a, Complex b) {
+  Outline outline;
+  for (const Complex z : geodesic(a, b)) outline.push_back(frame(z));
+  outline.push_back(frame(b));
+  return outline;
 }
 
 double sizeOf(const Outline& outline) {
@@ -282,7 +303,11 @@ std::vector<Shape> DiskTiling::shapes(int width, int height, bool edges) const {
     Shape shape;
     for (const std::vector<Side>& loop : loops_) {
       Outline outline;
-      for (const Side& side : loop) append(outline, frame(imageOf(tile->place, point(side.from))));
+      for (const Side& side : loop) {
+        for (const Complex z : geodesic(point(side.from), point(side.to))) {
+          append(outline, frame(imageOf(tile->place, z)));
+        }
+      }
       shape.outlines.push_back(std::move(outline));
     }
     if (shape.outlines.empty() || sizeOf(shape.outlines.front()) < 2 * kFinest) continue;
@@ -297,7 +322,8 @@ std::vector<Shape> DiskTiling::shapes(int width, int height, bool edges) const {
     Shape inner{{}, {.stroke = kEdgeColor, .stroke_width = 0.35, .opacity = 0.7}, false};
     for (const MapEdge& edge : drawing_.edges) {
       if (edge.kind != Kind::kInner) continue;
-      inner.outlines.push_back({frame(point(edge.points[0])), frame(point(edge.points[1]))});
+      inner.outlines.push_back(
+          geodesicOutline(frame, point(edge.points[0]), point(edge.points[1])));
     }
     shapes.push_back(std::move(inner));
   }
@@ -311,7 +337,7 @@ std::vector<Shape> DiskTiling::shapes(int width, int height, bool edges) const {
   for (const std::vector<Side>& loop : loops_) {
     for (const Side& side : loop) {
       Shape& cut = cuts[side.neighbour < 0 ? -1 : side.neighbour / 2];
-      cut.outlines.push_back({frame(point(side.from)), frame(point(side.to))});
+      cut.outlines.push_back(geodesicOutline(frame, point(side.from), point(side.to)));
     }
   }
   for (auto& [pair, cut] : cuts) {
@@ -323,7 +349,7 @@ std::vector<Shape> DiskTiling::shapes(int width, int height, bool edges) const {
   for (int i = 0; i < geodesicCount(); ++i) {
     Shape line{{}, {.stroke = geodesicColor(i), .stroke_width = 2}, false};
     for (const auto& [from, to] : geodesics_[i].in_disk) {
-      line.outlines.push_back({frame(from), frame(to)});
+      line.outlines.push_back(geodesicOutline(frame, from, to));
     }
     shapes.push_back(std::move(line));
   }

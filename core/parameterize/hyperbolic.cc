@@ -200,7 +200,8 @@ class HyperbolicMapping {
             ? subdividedLengths(surface_, lengths_, *straight.subdivision, triangles.surface)
             : lengths_;
     certificate.quality = measurePlaneMap(triangles.surface, lengths, localPoints(triangles), own);
-    certificate.quality.flipped_faces = 0;
+    certificate.quality.flipped_faces =
+        static_cast<Index>(foldedImages(triangles.surface, image.layout).size());
     return {};
   }
 

@@ -99,6 +99,15 @@ TEST(DiskTiling, CopiesFillTheDiskAndThoseOfACutHaveOneHue) {
   }
 }
 
+/// Between the chord of a side, at 0.777, and the side itself, a geodesic at 0.644 from the middle.
+TEST(DiskTiling, SidesAreGeodesics) {
+  const Picture picture(octagon());
+  for (int k = 0; k < 8; ++k) {
+    EXPECT_GT(saturation(picture.at(std::polar(0.7, kPi / 4 * (k + 0.5) + 0.03))), 20) << k;
+    EXPECT_LT(saturation(picture.at(std::polar(0.6, kPi / 4 * (k + 0.5) + 0.03))), 4) << k;
+  }
+}
+
 TEST(DiskTiling, DrawsNoMoreThanItIsTold) {
   ParameterizedMesh map = octagon();
   map.result.mutable_hyperbolic()->clear_neighbours();

@@ -148,6 +148,7 @@ inline void expectClosedDomain(const MetricSurface& given, const Parameterizatio
   const MapCertificate& certificate = map.certificate;
   EXPECT_TRUE(certificate.warnings.empty());
   EXPECT_LT(*certificate.layout_closure, 1e-6);
+  EXPECT_EQ(certificate.quality.flipped_faces, 0);
   EXPECT_LT(*certificate.cycle_residual, 1e-9);
   EXPECT_NEAR(*certificate.relation_residual, canonicalRelationResidual(map.hyperbolic->generators),
               1e-15);
