@@ -1,25 +1,54 @@
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "client/cli/command.h"
 #include "client/cli/session.h"
+#include "core/base/text.h"
 
 /// collection create, list, show, delete.
 namespace moduli::cli {
 namespace {
 
+std::string recallText(const v1::Collection& collection) {
+  if (!collection.has_wanted_recall()) return "";
+  return ", approximate search (recall " + brief(collection.wanted_recall()) + " wanted, " +
+         (collection.has_recall() ? brief(collection.recall()) + " measured" : "exact so far") +
+         ")";
+}
+
 Status showCollection(Session& session, const v1::Collection& collection) {
   if (session.json()) return session.printJson(collection);
   if (session.quiet()) return {};
   return session.print(safe(idOf(collection.name())) + ": " +
-                       counted(collection.shape_count(), "shape", "shapes") + "\n");
+                       counted(collection.shape_count(), "shape", "shapes") +
+                       recallText(collection) + "\n");
+}
+
+std::optional<double> recallOf(const Arguments& arguments) {
+  if (!arguments.has("approximate")) return std::nullopt;
+  return arguments.number("approximate", 0);
 }
 
 Status runCreate(Session& session, const Arguments& arguments) {
   const std::string name = arguments.text("NAME");
   ASSIGN_OR_RETURN(Client* const client, session.client(StoreNeed::kCreate));
-  const Result<v1::Collection> result = client->createCollection(name);
+  const Result<v1::Collection> result = client->createCollection(name, recallOf(arguments));
   if (!result.ok()) return session.explain(name, result.status());
   return showCollection(session, *result);
+}
+
+Status runEdit(Session& session, const Arguments& arguments) {
+  const std::string name = arguments.text("NAME");
+  ASSIGN_OR_RETURN(Client* const client, session.client(StoreNeed::kExisting));
+  const auto result = client->setWantedRecall(collectionName(name), recallOf(arguments));
+  if (!result.ok()) return session.explain(name, result.status());
+  return showCollection(session, *result);
+}
+
+std::optional<std::string> checkEdit(const Arguments& arguments) {
+  if (arguments.has("approximate") != arguments.has("exact")) return std::nullopt;
+  return "give either --approximate or --exact";
 }
 
 Status runShow(Session& session, const Arguments& arguments) {
@@ -66,6 +95,22 @@ Status runList(Session& session, const Arguments&) {
   return session.print(alignedTable({"collection", "shapes"}, rows));
 }
 
+std::optional<std::string> isRecall(const std::string& value) {
+  const auto number = parseDouble(value);
+  if (number && *number > 0 && *number < 1) return std::nullopt;
+  return "must be a number between 0 and 1";
+}
+
+OptionSpec approximateOption() {
+  return {.names = "--approximate",
+          .value = "[RECALL]",
+          .help =
+              "Large collections: find at least this share of the true ten nearest on average "
+              "(0.99), faster",
+          .check = isRecall,
+          .bare_value = "0.99"};
+}
+
 ArgumentSpec nameArgument() {
   return {.name = "NAME",
           .help = "1 to 63 of letters, digits, '-', '_' and '.'",
@@ -75,30 +120,46 @@ ArgumentSpec nameArgument() {
 }  // namespace
 
 std::vector<CommandSpec> collectionCommands() {
-  return {{.path = "collection create",
-           .summary = "Make an empty collection",
-           .details = "Adding shapes to a collection that is not there makes it, too.",
-           .arguments = {nameArgument()},
-           .options = {},
-           .run = runCreate},
-          {.path = "collection list",
-           .summary = "List the collections",
-           .details = "With the number of shapes in each.",
-           .arguments = {},
-           .options = {},
-           .run = runList},
-          {.path = "collection show",
-           .summary = "Tell about one collection",
-           .details = "Fails if there is none of this name.",
-           .arguments = {nameArgument()},
-           .options = {},
-           .run = runShow},
-          {.path = "collection delete",
-           .summary = "Delete a collection",
-           .details = "A collection that has shapes is refused without --force.",
-           .arguments = {nameArgument()},
-           .options = {{.names = "--force", .value = "", .help = "Also delete the shapes in it"}},
-           .run = runDelete}};
+  return {
+      {.path = "collection create",
+       .summary = "Make an empty collection",
+       .details = "Adding shapes to a collection that is not there makes it, too.",
+       .arguments = {nameArgument()},
+       .options = {approximateOption()},
+       .run = runCreate,
+       .examples = "moduli collection create parts\nmoduli collection create scans "
+                   "--approximate=0.95"},
+      {.path = "collection edit",
+       .summary = "Change how a collection is searched",
+       .details = "Approximate search looks at a part of a large collection, thousands of "
+                  "shapes and more, in the metric and the shape space; its answers say what "
+                  "share of the true nearest it finds, as measured. Smaller collections, "
+                  "searches with a filter and the conformal space stay exact.",
+       .arguments = {nameArgument()},
+       .options = {approximateOption(),
+                   {.names = "--exact", .value = "", .help = "Find all of the nearest"}},
+       .check = checkEdit,
+       .run = runEdit,
+       .examples = "moduli collection edit scans --approximate"},
+      {.path = "collection list",
+       .summary = "List the collections",
+       .details = "With the number of shapes in each.",
+       .arguments = {},
+       .options = {},
+       .run = runList},
+      {.path = "collection show",
+       .summary = "Tell about one collection",
+       .details = "How many shapes it has, and how it is searched. Fails if there is none of this "
+                  "name.",
+       .arguments = {nameArgument()},
+       .options = {},
+       .run = runShow},
+      {.path = "collection delete",
+       .summary = "Delete a collection",
+       .details = "A collection that has shapes is refused without --force.",
+       .arguments = {nameArgument()},
+       .options = {{.names = "--force", .value = "", .help = "Also delete the shapes in it"}},
+       .run = runDelete}};
 }
 
 }  // namespace moduli::cli

@@ -347,7 +347,11 @@ std::string shapeReport(const v1::Shape& shape) {
   return text + signatureReport("", shape.signature());
 }
 
-std::string searchReport(const v1::SearchResult& result) {
+namespace {
+
+// Of a SearchResult or a QueryResult.
+template <typename Message>
+std::string hitsReport(const Message& result) {
   if (result.hits().empty()) return "nothing found\n";
   std::vector<std::string> head = {"#", "distance", "name", "label"};
   for (const v1::PartDistance& part : result.hits(0).parts()) head.push_back(safe(part.name()));
@@ -360,8 +364,35 @@ std::string searchReport(const v1::SearchResult& result) {
     rows.push_back(std::move(row));
   }
   std::string text = alignedTable(head, rows);
-  if (!result.exact()) text += "approximate: a nearer shape may have been missed\n";
+  if (result.has_recall()) {
+    text +=
+        "approximate: finds " + brief(100 * result.recall()) + "% of the nearest, as measured\n";
+  } else if (!result.exact()) {
+    text += "approximate: a nearer shape may have been missed\n";
+  }
   return text;
+}
+
+}  // namespace
+
+std::string searchReport(const v1::SearchResult& result) {
+  return hitsReport(result);
+}
+
+std::string batchReport(const std::vector<v1::QueryResult>& results) {
+  std::string text;
+  for (const v1::QueryResult& result : results) {
+    if (!text.empty()) text += "\n";
+    text += safe(result.query()) + "\n";
+    if (!result.has_failure()) {
+      text += hitsReport(result);
+      continue;
+    }
+    const v1::QueryFailure& failure = result.failure();
+    text += "failed: " + safe(failure.message()) + " (" + safe(failure.reason()) + ")";
+    text += (failure.hint().empty() ? "" : "; " + safe(failure.hint())) + "\n";
+  }
+  return text.empty() ? "nothing to search for\n" : text;
 }
 
 std::string evaluationReport(const std::string& title, const v1::Evaluation& evaluation,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "moduli/v1/catalog.pb.h"
 #include "moduli/v1/mesh.pb.h"
@@ -17,6 +18,8 @@ std::string parameterizationReport(const std::string& title, const v1::Parameter
 std::string distancesReport(const v1::SignatureDistances& distances);
 std::string shapeReport(const v1::Shape& shape);
 std::string searchReport(const v1::SearchResult& result);
+/// One after the other, each below the name of its query.
+std::string batchReport(const std::vector<v1::QueryResult>& results);
 /// confusion: with a row for each label, of those that came first for it.
 std::string evaluationReport(const std::string& title, const v1::Evaluation& evaluation,
                              bool confusion);

@@ -3,6 +3,7 @@
 #include "client/cli/mesh_argument.h"
 #include "client/cli/prepare_arguments.h"
 #include "client/cli/report.h"
+#include "client/cli/search_batch.h"
 #include "client/cli/search_picture.h"
 #include "client/cli/session.h"
 
@@ -21,6 +22,7 @@ Status writePicture(Client& client, const SearchPicture& picture, const std::str
 }
 
 Status runSearch(Session& session, const Arguments& arguments) {
+  if (isBatch(arguments)) return runSearchBatch(session, arguments);
   const std::string collection = arguments.text("collection");
   v1::SearchShapesRequest request;
   request.set_parent(collectionName(collection));
@@ -61,8 +63,13 @@ Status runSearch(Session& session, const Arguments& arguments) {
 }
 
 std::optional<std::string> checkSearch(const Arguments& arguments) {
-  if (arguments.has("MESH") != arguments.has("id")) return std::nullopt;
-  return "what to search for is either MESH or --id ID";
+  const int ways = (arguments.has("MESH") || arguments.has("from-file") ? 1 : 0) +
+                   (arguments.has("id") ? 1 : 0) + (arguments.has("all") ? 1 : 0);
+  if (ways != 1) {
+    return "what to search for is either MESH or --from-file LIST, --id ID, or --all";
+  }
+  if (arguments.has("picture") && isBatch(arguments)) return "--picture draws one query's hits";
+  return std::nullopt;
 }
 
 }  // namespace
@@ -70,8 +77,19 @@ std::optional<std::string> checkSearch(const Arguments& arguments) {
 std::vector<CommandSpec> searchCommands() {
   std::vector<OptionSpec> options = {
       collectionOption(),
-      {.names = "--id", .value = "ID", .help = "Search for a shape of this collection"},
-      {.names = "-k", .value = "N", .help = "Number of hits (10)", .check = isPositiveInteger},
+      {.names = "--id",
+       .value = "ID",
+       .help = "Search for a shape of this collection; may be repeated",
+       .repeated = true},
+      {.names = "--from-file",
+       .value = "LIST",
+       .help = "Also search for what this file names, one MESH a line; '-' for standard input",
+       .completion = Completion::kFile},
+      {.names = "--all", .value = "", .help = "Search for every shape of this collection"},
+      {.names = "-k",
+       .value = "N",
+       .help = "Number of hits (10); more than there are gives all",
+       .check = isPositiveInteger},
       spaceOption("What counts as near (shape)"),
       {.names = "--filter",
        .value = "EXPR",
@@ -89,15 +107,18 @@ std::vector<CommandSpec> searchCommands() {
            .summary = "Find the stored shapes nearest to a surface",
            .details = "Ranks the shapes of a collection by their distance from a surface: a mesh "
                       "that is signed first, or a shape that is stored. A stored shape finds "
-                      "itself first.",
+                      "itself first; equal distances come by name. Several surfaces are searched "
+                      "for at once, which is much faster, and get a list of hits each; one that "
+                      "fails does not stop the others, and makes the exit code 1.",
            .arguments = {{.name = "MESH",
-                          .help = "A file, '-' for standard input, or COLLECTION/SHAPE",
-                          .min = 0}},
+                          .help = "Files, '-' for standard input, or COLLECTION/SHAPE",
+                          .min = 0,
+                          .max = -1}},
            .options = options,
            .check = checkSearch,
            .run = runSearch,
            .examples = "moduli search -c demo bunny.obj -k 5\nmoduli search -c demo --id kitten "
-                       "--space conformal"}};
+                       "--space conformal\nmoduli search -c demo --all -k 2 --json"}};
 }
 
 }  // namespace moduli::cli

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/cpp/client_impl.h"
+#include "client/cpp/events.h"
 
 namespace moduli {
 namespace {
@@ -22,25 +23,6 @@ std::string newRequestId() {
   std::snprintf(text.data(), text.size(), "%08x-%04x-%04x-%04x-%04x%08x", words[0], words[1] >> 16,
                 words[1] & 0xFFFFU, words[2] >> 16, words[2] & 0xFFFFU, words[3]);
   return text.data();
-}
-
-// Reads a stream of Progress and one result; `take` returns true for the result.
-template <typename Response, typename Reader, typename Take>
-grpc::Status readEvents(CallRunner& runner, Reader& reader, Take take) {
-  bool complete = false;
-  Response response;
-  while (reader.Read(&response)) {
-    if (response.has_progress()) {
-      runner.report(response.progress());
-    } else {
-      complete = take(response) || complete;
-    }
-  }
-  const grpc::Status status = reader.Finish();
-  if (status.ok() && !complete) {
-    return {grpc::StatusCode::INTERNAL, "the server ended its answer without a result"};
-  }
-  return status;
 }
 
 }  // namespace
@@ -97,18 +79,6 @@ Result<v1::SignatureDistances> Client::compareSignatures(
   return result;
 }
 
-Result<v1::SearchResult> Client::search(const v1::SearchShapesRequest& request) {
-  v1::SearchResult result;
-  RETURN_IF_ERROR(impl_->runner.run(true, [&](grpc::ClientContext& context) {
-    const auto reader = impl_->catalog->SearchShapes(&context, request);
-    return readEvents<v1::SearchShapesResponse>(impl_->runner, *reader, [&](auto& response) {
-      if (response.has_result()) result.Swap(response.mutable_result());
-      return true;
-    });
-  }));
-  return result;
-}
-
 Result<v1::Evaluation> Client::evaluate(const v1::EvaluateCollectionRequest& request) {
   v1::Evaluation result;
   RETURN_IF_ERROR(impl_->runner.run(true, [&](grpc::ClientContext& context) {
@@ -133,12 +103,24 @@ Result<v1::Duplicates> Client::findDuplicates(const v1::FindDuplicatesRequest& r
   return result;
 }
 
-Result<v1::Collection> Client::createCollection(const std::string& id) {
+Result<v1::Collection> Client::createCollection(const std::string& id,
+                                                const std::optional<double>& wanted_recall) {
   v1::CreateCollectionRequest request;
   request.set_collection_id(id);
+  if (wanted_recall) request.set_wanted_recall(*wanted_recall);
   request.set_request_id(newRequestId());  // Makes a second attempt harmless.
   return impl_->unary<v1::Collection>(true, *impl_->catalog,
                                       &v1::CatalogService::Stub::CreateCollection, request);
+}
+
+Result<v1::Collection> Client::setWantedRecall(const std::string& name,
+                                               const std::optional<double>& wanted_recall) {
+  v1::UpdateCollectionRequest request;
+  request.mutable_collection()->set_name(name);
+  if (wanted_recall) request.mutable_collection()->set_wanted_recall(*wanted_recall);
+  request.mutable_update_mask()->add_paths("wanted_recall");
+  return impl_->unary<v1::Collection>(true, *impl_->catalog,
+                                      &v1::CatalogService::Stub::UpdateCollection, request);
 }
 
 Result<v1::Collection> Client::getCollection(const std::string& name) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "client/cpp/ingest.h"
 #include "client/cpp/mesh_bytes.h"
@@ -72,7 +73,11 @@ class Client {
   Result<ParameterizedMesh> parameterize(const v1::ParameterizeRequest& request);
 
   /// Collections and shapes go by resource name: collections/C and collections/C/shapes/S.
-  Result<v1::Collection> createCollection(const std::string& id);
+  /// wanted_recall: as in v1::Collection.
+  Result<v1::Collection> createCollection(const std::string& id,
+                                          const std::optional<double>& wanted_recall = {});
+  Result<v1::Collection> setWantedRecall(const std::string& name,
+                                         const std::optional<double>& wanted_recall);
   Result<v1::Collection> getCollection(const std::string& name);
   Pager<v1::Collection> listCollections();
   Result<v1::DeleteCollectionResponse> deleteCollection(const std::string& name, bool force);
@@ -94,7 +99,11 @@ class Client {
   Result<DownloadHeader> download(const std::string& name,
                                   const std::function<Status(std::string_view)>& sink);
 
+  /// All of the k hits, page by page. A mesh that needs several pages is signed once.
   Result<v1::SearchResult> search(const v1::SearchShapesRequest& request);
+  /// A result for each query, in their order; any number of queries, over several requests where
+  /// one cannot hold them. A query that fails says so in its result.
+  Result<std::vector<v1::QueryResult>> searchMany(const v1::BatchSearchShapesRequest& request);
   Result<v1::Evaluation> evaluate(const v1::EvaluateCollectionRequest& request);
   Result<v1::Duplicates> findDuplicates(const v1::FindDuplicatesRequest& request);
 

@@ -17,7 +17,10 @@ inline constexpr std::size_t kMaxInlineBytes = std::size_t{4} << 20;
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{1} << 20;
 inline constexpr int kMaxMessageBytes = 8 << 20;
 inline constexpr int kDefaultHits = 10;
-inline constexpr int kMaxHits = 1000;
+/// Of one search over all its pages, or of all queries of a batch.
+inline constexpr int kMaxHits = 1'000'000;
+inline constexpr int kMaxHitsAtOnce = 1000;  ///< Of a page, or of each query of a batch.
+inline constexpr int kMaxQueries = 10'000;   ///< Of a batch.
 
 /// What all calls share. Outlives every call and every job: the server joins the threads before it
 /// lets go of it. Its members are thread-safe.

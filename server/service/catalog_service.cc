@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "moduli/v1/catalog.grpc.pb.h"
 #include "server/rpc/convert.h"
+#include "server/service/batch_search.h"
 #include "server/service/duplicates.h"
 #include "server/service/evaluating.h"
 #include "server/service/event_stream.h"
@@ -22,16 +25,40 @@ using Rpc = grpc::CallbackServerContext;
 Result<v1::Collection> createCollection(const Backend& backend,
                                         const v1::CreateCollectionRequest& request) {
   ASSIGN_OR_RETURN(Catalog* const catalog, backend.catalog());
-  ASSIGN_OR_RETURN(const CollectionRecord record,
-                   catalog->createCollection(request.collection_id(), request.request_id()));
+  ASSIGN_OR_RETURN(
+      const CollectionRecord record,
+      catalog->createCollection(
+          request.collection_id(), request.request_id(),
+          request.has_wanted_recall() ? std::optional(request.wanted_recall()) : std::nullopt));
   return toProto(record);
+}
+
+/// With what its indexes measured.
+v1::Collection measured(const Backend& backend, const CollectionRecord& record) {
+  v1::Collection collection = toProto(record);
+  if (const auto recall = backend.indexes->recall(record.id)) collection.set_recall(*recall);
+  return collection;
 }
 
 Result<v1::Collection> getCollection(const Backend& backend, const std::string& name) {
   ASSIGN_OR_RETURN(const Catalog* catalog, backend.catalog());
   ASSIGN_OR_RETURN(const std::string collection, parseCollectionName(name));
   ASSIGN_OR_RETURN(const CollectionRecord record, catalog->getCollection(collection));
-  return toProto(record);
+  return measured(backend, record);
+}
+
+Result<v1::Collection> updateCollection(const Backend& backend,
+                                        const v1::UpdateCollectionRequest& request) {
+  ASSIGN_OR_RETURN(Catalog* const catalog, backend.catalog());
+  const v1::Collection& wanted = request.collection();
+  ASSIGN_OR_RETURN(const std::string collection, parseCollectionName(wanted.name()));
+  if (request.update_mask().paths().empty()) return getCollection(backend, wanted.name());
+  ASSIGN_OR_RETURN(const CollectionRecord record,
+                   catalog->updateCollection(collection, wanted.has_wanted_recall()
+                                                             ? std::optional(wanted.wanted_recall())
+                                                             : std::nullopt));
+  RETURN_IF_ERROR(backend.indexes->refresh());
+  return measured(backend, record);
 }
 
 Result<v1::ListCollectionsResponse> listCollections(const Backend& backend,
@@ -131,10 +158,6 @@ Refusal checkUpdate(const v1::UpdateShapeRequest& request) {
   return {};
 }
 
-Refusal checkFilter(const std::string& filter) {
-  return {Filter::parse(filter).status(), "filter"};
-}
-
 /// Deleting everything has to be meant: DeleteCollection does that.
 Refusal checkNotEmpty(const std::string& filter) {
   if (filter.find_first_not_of(" \t\n") != std::string::npos) return {};
@@ -150,38 +173,20 @@ Refusal checkThreshold(const v1::FindDuplicatesRequest& request) {
           "threshold"};
 }
 
-Refusal checkPage(int size) {
-  if (size >= 0) return {};
-  return {{Reason::kInvalidRequest, "page_size is negative", "give 0 for the usual size"},
-          "page_size"};
+Refusal checkRecall(bool given, double recall, const std::string& field) {
+  if (!given) return {};
+  return {validateWantedRecall(recall), field};
 }
 
-Refusal checkSearch(const v1::SearchShapesRequest& request) {
-  Refusal query;
-  switch (request.query_case()) {
-    case v1::SearchShapesRequest::kSource:
-      query = checkSource(request.source(), "source");
-      break;
-    case v1::SearchShapesRequest::kShape:
-      query = checkShapeName(request.shape(), "shape");
-      break;
-    case v1::SearchShapesRequest::kSignature:
-      query = {fromProto(request.signature()).status(), "signature"};
-      break;
-    case v1::SearchShapesRequest::QUERY_NOT_SET:
-      query = {{Reason::kInvalidRequest, "nothing to search for is given",
-                "set one of source, shape and signature"},
-               "query"};
+Refusal checkCollectionUpdate(const v1::UpdateCollectionRequest& request) {
+  for (const std::string& field : request.update_mask().paths()) {
+    if (field == "wanted_recall") continue;
+    return {{Reason::kInvalidRequest, "\"" + field + "\" of a collection cannot be changed",
+             "name wanted_recall"},
+            "update_mask"};
   }
-  Refusal count;
-  if (request.k() < 0 || request.k() > kMaxHits) {
-    count = {{Reason::kInvalidOption,
-              "k is " + std::to_string(request.k()) + ", not in 1 to " + std::to_string(kMaxHits),
-              "ask for fewer hits"},
-             "k"};
-  }
-  return firstOf(checkCollectionName(request.parent(), "parent"), query, count,
-                 checkSpace(request.space(), "space"), checkPrepare(request.prepare(), "prepare"));
+  return checkRecall(request.collection().has_wanted_recall(), request.collection().wanted_recall(),
+                     "collection.wanted_recall");
 }
 
 /// Sends a stored file chunk by chunk. Each chunk is read on an I/O thread when the one before it
@@ -228,6 +233,18 @@ class Download : public std::enable_shared_from_this<Download> {
   bool sent_any_ = false;
 };
 
+/// Hands out the results of a batch.
+EventStream<v1::BatchSearchShapesResponse>::Parts oneByOne(std::vector<v1::QueryResult> results) {
+  return
+      [results = std::make_shared<std::vector<v1::QueryResult>>(std::move(results)),
+       next = std::make_shared<std::size_t>(0)]() -> std::optional<v1::BatchSearchShapesResponse> {
+        if (*next == results->size()) return std::nullopt;
+        v1::BatchSearchShapesResponse response;
+        *response.mutable_result() = std::move((*results)[(*next)++]);
+        return response;
+      };
+}
+
 class CatalogService final : public v1::CatalogService::CallbackService {
  public:
   explicit CatalogService(Backend& backend) : backend_(backend) {}
@@ -236,8 +253,20 @@ class CatalogService final : public v1::CatalogService::CallbackService {
                                              v1::Collection* response) override {
     const Status valid = validateCollectionName(request->collection_id());
     return UnaryCall<v1::Collection>::answer(
-        backend_, *rpc, *response, {"CreateCollection", Role::kWriter}, {valid, "collection_id"},
+        backend_, *rpc, *response, {"CreateCollection", Role::kWriter},
+        firstOf(
+            Refusal{valid, "collection_id"},
+            checkRecall(request->has_wanted_recall(), request->wanted_recall(), "wanted_recall")),
         [this, kept = *request](Context&) { return createCollection(backend_, kept); });
+  }
+
+  grpc::ServerUnaryReactor* UpdateCollection(Rpc* rpc, const v1::UpdateCollectionRequest* request,
+                                             v1::Collection* response) override {
+    return UnaryCall<v1::Collection>::answer(
+        backend_, *rpc, *response, {"UpdateCollection", Role::kWriter},
+        firstOf(checkCollectionName(request->collection().name(), "collection.name"),
+                checkCollectionUpdate(*request)),
+        [this, kept = *request](Context&) { return updateCollection(backend_, kept); });
   }
 
   grpc::ServerUnaryReactor* GetCollection(Rpc* rpc, const v1::GetCollectionRequest* request,
@@ -250,7 +279,7 @@ class CatalogService final : public v1::CatalogService::CallbackService {
   grpc::ServerUnaryReactor* ListCollections(Rpc* rpc, const v1::ListCollectionsRequest* request,
                                             v1::ListCollectionsResponse* response) override {
     return UnaryCall<v1::ListCollectionsResponse>::answer(
-        backend_, *rpc, *response, {"ListCollections"}, checkPage(request->page_size()),
+        backend_, *rpc, *response, {"ListCollections"}, checkPageSize(request->page_size()),
         [this, kept = *request](Context&) { return listCollections(backend_, kept); });
   }
 
@@ -273,8 +302,8 @@ class CatalogService final : public v1::CatalogService::CallbackService {
                                        v1::ListShapesResponse* response) override {
     return UnaryCall<v1::ListShapesResponse>::answer(
         backend_, *rpc, *response, {"ListShapes"},
-        firstOf(checkCollectionName(request->parent(), "parent"), checkPage(request->page_size()),
-                checkFilter(request->filter())),
+        firstOf(checkCollectionName(request->parent(), "parent"),
+                checkPageSize(request->page_size()), checkFilter(request->filter())),
         [this, kept = *request](Context& context) { return listShapes(context, backend_, kept); });
   }
 
@@ -348,13 +377,21 @@ class CatalogService final : public v1::CatalogService::CallbackService {
   grpc::ServerWriteReactor<v1::SearchShapesResponse>* SearchShapes(
       Rpc* rpc, const v1::SearchShapesRequest* request) override {
     return EventStream<v1::SearchShapesResponse>::answer(
-        backend_, *rpc, {"SearchShapes"},
-        firstOf(checkSearch(*request), checkFilter(request->filter())),
-        [this, kept = std::make_shared<v1::SearchShapesRequest>(*request)](
-            Context& context) -> Result<v1::SearchShapesResponse> {
-          v1::SearchShapesResponse response;
-          ASSIGN_OR_RETURN(*response.mutable_result(), search(context, backend_, *kept));
-          return response;
+        backend_, *rpc, {"SearchShapes"}, checkSearch(*request),
+        [this, kept = std::make_shared<v1::SearchShapesRequest>(*request)](Context& context) {
+          return search(context, backend_, *kept);
+        });
+  }
+
+  grpc::ServerWriteReactor<v1::BatchSearchShapesResponse>* BatchSearchShapes(
+      Rpc* rpc, const v1::BatchSearchShapesRequest* request) override {
+    using Stream = EventStream<v1::BatchSearchShapesResponse>;
+    return Stream::answerInParts(
+        backend_, *rpc, {"BatchSearchShapes"}, checkBatchSearch(*request),
+        [this, kept = std::make_shared<v1::BatchSearchShapesRequest>(*request)](
+            Context& context) -> Result<Stream::Parts> {
+          ASSIGN_OR_RETURN(auto results, batchSearch(context, backend_, *kept));
+          return oneByOne(std::move(results));
         });
   }
 

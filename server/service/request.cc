@@ -131,6 +131,12 @@ Refusal checkSpace(v1::Signature::Space space, const std::string& field) {
           field};
 }
 
+Refusal checkPageSize(int size) {
+  if (size >= 0) return {};
+  return {{Reason::kInvalidRequest, "page_size is negative", "give 0 for the usual size"},
+          "page_size"};
+}
+
 namespace {
 
 Refusal checkCorners(const v1::ParameterizationOptions& options, const std::string& field) {

@@ -35,6 +35,8 @@ Refusal checkDigest(std::string_view digest, const std::string& field);
 Refusal checkSource(const v1::MeshSource& source, const std::string& field);
 Refusal checkPrepare(const v1::PrepareOptions& options, const std::string& field);
 Refusal checkSpace(v1::Signature::Space space, const std::string& field);
+/// A page_size is not negative.
+Refusal checkPageSize(int size);
 /// There is a target, every choice is known, cones have sound numbers, and a registration has a
 /// well-formed reference, fields that go together, and landmarks that can be.
 Refusal checkParameterization(const v1::ParameterizationOptions& options, const std::string& field);

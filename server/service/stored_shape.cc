@@ -97,6 +97,7 @@ v1::Collection toProto(const CollectionRecord& record) {
   collection.set_name(collectionName(record.name));
   *collection.mutable_create_time() = toProto(record.create_time);
   collection.set_shape_count(static_cast<std::int32_t>(record.shape_count));
+  if (record.wanted_recall) collection.set_wanted_recall(*record.wanted_recall);
   return collection;
 }
 

@@ -51,11 +51,16 @@ struct VectorRow {
 
 /// One step in the catalogue's history.
 struct Change {
-  enum class Kind : std::uint8_t { kShapeAdded, kShapeRemoved, kCollectionRemoved };
+  enum class Kind : std::uint8_t {
+    kShapeAdded,
+    kShapeRemoved,
+    kCollectionRemoved,
+    kCollectionChanged  ///< Its wanted recall.
+  };
   std::int64_t sequence = 0;
   Kind kind = Kind::kShapeAdded;
   std::int64_t collection_id = 0;
-  std::int64_t shape_id = 0;  ///< 0 for kCollectionRemoved.
+  std::int64_t shape_id = 0;  ///< 0 for what happened to a collection.
 };
 
 struct ChangeBatch {
@@ -89,9 +94,18 @@ class Catalog {
 
   /// An empty collection. request_id (at most 64 of a-z A-Z 0-9 "-" "_", "" for none): a second
   /// call with it within a day answers the first one's success again; with another name it fails
-  /// with kInvalidRequest. Fails with kInvalidName, kCollectionExists.
-  virtual Result<CollectionRecord> createCollection(std::string_view name,
-                                                    std::string_view request_id) = 0;
+  /// with kInvalidRequest. Fails with kInvalidName, kInvalidOption (validateWantedRecall),
+  /// kCollectionExists.
+  virtual Result<CollectionRecord> createCollection(
+      std::string_view name, std::string_view request_id,
+      const std::optional<double>& wanted_recall = {}) = 0;
+
+  /// Sets its wanted recall. Fails with kCollectionNotFound, kInvalidOption.
+  virtual Result<CollectionRecord> updateCollection(std::string_view name,
+                                                    const std::optional<double>& wanted_recall) = 0;
+
+  /// The wanted recalls of the collections that have one, by their ids.
+  virtual Result<std::map<std::int64_t, double>> wantedRecalls() const = 0;
 
   /// Fails with kCollectionNotFound.
   virtual Result<CollectionRecord> getCollection(std::string_view name) const = 0;

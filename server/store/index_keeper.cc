@@ -1,5 +1,6 @@
 #include "server/store/index_keeper.h"
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <deque>
@@ -105,9 +106,12 @@ class CatalogIndexKeeper final : public IndexKeeper {
                        }
                        return Status();
                      }));
+    // After the snapshot: what has changed since comes again with the changes after it.
+    ASSIGN_OR_RETURN(const auto recalls, catalog_.wantedRecalls());
     std::map<IndexKey, Kept> kept;
     for (auto& [key, set] : sets) {
-      ASSIGN_OR_RETURN(kept[key].index, LiveIndex::build(std::move(set), options_.index));
+      ASSIGN_OR_RETURN(kept[key].index,
+                       LiveIndex::build(std::move(set), indexOptions(key, recalls)));
     }
     const std::unique_lock lock(map_mutex_);
     kept_ = std::move(kept);
@@ -130,13 +134,32 @@ class CatalogIndexKeeper final : public IndexKeeper {
     }
   }
 
-  Result<std::vector<Neighbor>> search(
-      Context& context, std::int64_t collection_id, Space space, std::string_view type,
-      std::span<const float> query, std::size_t k,
-      const std::function<bool(std::int64_t)>& accept) const override {
+  Result<NearestRows> search(Context& context, std::int64_t collection_id, Space space,
+                             std::string_view type, std::span<const float> query, std::size_t k,
+                             const std::function<bool(std::int64_t)>& accept) const override {
     const auto index = find(makeKey(collection_id, space, type, query.size()));
-    if (index == nullptr) return std::vector<Neighbor>();
+    if (index == nullptr) return NearestRows();
     return index->search(context, query, k, accept);
+  }
+
+  Result<std::vector<NearestRows>> searchMany(
+      Context& context, std::int64_t collection_id, Space space,
+      std::span<const std::vector<float>> queries, std::size_t k,
+      const std::function<bool(std::int64_t)>& accept) const override {
+    const std::size_t dimension = queries.empty() ? 0 : queries.front().size();
+    const auto index = find(makeKey(collection_id, space, "", dimension));
+    if (index == nullptr) return std::vector<NearestRows>(queries.size());
+    return index->searchMany(context, queries, k, accept);
+  }
+
+  std::optional<double> recall(std::int64_t collection_id) const override {
+    std::optional<double> worst;
+    const std::shared_lock lock(map_mutex_);
+    for (const auto& [key, kept] : kept_) {
+      if (key.collection_id != collection_id) continue;
+      if (const auto recall = kept.index->recall()) worst = std::min(worst.value_or(1), *recall);
+    }
+    return worst;
   }
 
   std::size_t size(std::int64_t collection_id, Space space, std::string_view type,
@@ -158,6 +181,20 @@ class CatalogIndexKeeper final : public IndexKeeper {
     set.values.insert(set.values.end(), row.values.begin(), row.values.end());
   }
 
+  static std::optional<double> recallOf(const IndexKey& key,
+                                        const std::map<std::int64_t, double>& recalls) {
+    const auto found = recalls.find(key.collection_id);
+    if (key.space == Space::kConformal || found == recalls.end()) return std::nullopt;
+    return found->second;
+  }
+
+  LiveIndex::Options indexOptions(const IndexKey& key,
+                                  const std::map<std::int64_t, double>& recalls) const {
+    LiveIndex::Options options = options_.index;
+    options.wanted_recall = recallOf(key, recalls);
+    return options;
+  }
+
   std::shared_ptr<LiveIndex> find(const IndexKey& key) const {
     const std::shared_lock lock(map_mutex_);
     const auto found = kept_.find(key);
@@ -168,15 +205,17 @@ class CatalogIndexKeeper final : public IndexKeeper {
   Status takeIn(const ChangeBatch& batch) {
     std::vector<std::int64_t> added;
     std::map<std::int64_t, std::vector<std::int64_t>> removed;  // By collection.
-    std::set<std::int64_t> dropped;
+    std::set<std::int64_t> dropped, changed;
     for (const Change& change : batch.changes) {
       if (change.kind == Change::Kind::kShapeAdded) added.push_back(change.shape_id);
       if (change.kind == Change::Kind::kShapeRemoved) {
         removed[change.collection_id].push_back(change.shape_id);
       }
       if (change.kind == Change::Kind::kCollectionRemoved) dropped.insert(change.collection_id);
+      if (change.kind == Change::Kind::kCollectionChanged) changed.insert(change.collection_id);
     }
     dropCollections(dropped);
+    RETURN_IF_ERROR(takeInRecalls(changed));
     std::map<IndexKey, Delta> deltas;
     // Which of a collection's indexes has a removed shape is not known: each ignores what it lacks.
     for (const auto& [key, kept] : kept_) {
@@ -194,6 +233,17 @@ class CatalogIndexKeeper final : public IndexKeeper {
     return {};
   }
 
+  Status takeInRecalls(const std::set<std::int64_t>& changed) {
+    if (changed.empty()) return {};
+    ASSIGN_OR_RETURN(const auto recalls, catalog_.wantedRecalls());
+    for (const auto& [key, kept] : kept_) {
+      if (!changed.contains(key.collection_id)) continue;
+      kept.index->setWantedRecall(recallOf(key, recalls));
+      askForRebuild(kept);
+    }
+    return {};
+  }
+
   void dropCollections(const std::set<std::int64_t>& dropped) {
     if (dropped.empty()) return;
     const std::unique_lock lock(map_mutex_);
@@ -205,7 +255,9 @@ class CatalogIndexKeeper final : public IndexKeeper {
     auto found = kept_.find(key);
     if (found == kept_.end()) {
       Kept fresh;
-      ASSIGN_OR_RETURN(fresh.index, LiveIndex::build({key.dimension, {}, {}}, options_.index));
+      ASSIGN_OR_RETURN(const auto recalls, catalog_.wantedRecalls());
+      ASSIGN_OR_RETURN(fresh.index,
+                       LiveIndex::build({key.dimension, {}, {}}, indexOptions(key, recalls)));
       const std::unique_lock lock(map_mutex_);
       found = kept_.emplace(key, std::move(fresh)).first;
     }
@@ -219,10 +271,16 @@ class CatalogIndexKeeper final : public IndexKeeper {
     // With a background of the caller's, which may drop tasks, every write asks again.
     if (rebuilder_ != nullptr && kept.rebuilding->exchange(true)) return;
     const auto task = [index = kept.index, rebuilding = kept.rebuilding] {
-      if (const Status status = index->rebuild(); !status.ok()) {
-        log(LogLevel::kError, "an index cannot be rebuilt: " + status.toString());
+      for (;;) {
+        const Status status = index->rebuild();
+        rebuilding->store(false);
+        if (!status.ok()) {
+          log(LogLevel::kError, "an index cannot be rebuilt: " + status.toString());
+          return;
+        }
+        // What was asked for meanwhile has been turned away.
+        if (!index->rebuildDue() || rebuilding->exchange(true)) return;
       }
-      rebuilding->store(false);
     };
     if (rebuilder_ != nullptr) {
       rebuilder_->add(task);

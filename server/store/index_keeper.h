@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -19,7 +20,9 @@ namespace moduli {
 /// The vector indexes of a catalogue, in memory: one per collection and space, in conformal space
 /// one per conformal type too. Built from the catalogue's vectors when opened, and kept up by its
 /// change sequence. Vectors of another descriptor version than the program's are left out. Large
-/// tails are folded in by a background thread. Thread-safe.
+/// tails are folded in by a background thread. Where a collection wants a recall, the indexes of
+/// its metric and shape space are approximate (in conformal space vectors are a mere stand-in).
+/// Thread-safe.
 ///
 ///   RETURN_IF_ERROR(catalog.putShape(...));
 ///   RETURN_IF_ERROR(keeper.refresh());          // now every search sees it
@@ -46,10 +49,20 @@ class IndexKeeper {
   /// The k nearest shapes' ids by the Euclidean distance of their vectors, as VectorIndex::search.
   /// type: only shapes of this conformal type (conformal space; ignored in the others). Shapes
   /// whose vector has another length than the query are never found.
-  virtual Result<std::vector<Neighbor>> search(
+  virtual Result<NearestRows> search(
       Context& context, std::int64_t collection_id, Space space, std::string_view type,
       std::span<const float> query, std::size_t k,
       const std::function<bool(std::int64_t)>& accept = {}) const = 0;
+
+  /// search() of each query in metric or shape space, as LiveIndex::searchMany. All have one
+  /// length; otherwise kInvalidOption.
+  virtual Result<std::vector<NearestRows>> searchMany(
+      Context& context, std::int64_t collection_id, Space space,
+      std::span<const std::vector<float>> queries, std::size_t k,
+      const std::function<bool(std::int64_t)>& accept = {}) const = 0;
+
+  /// The measured recall of the worst index of a collection; empty if all are exact.
+  virtual std::optional<double> recall(std::int64_t collection_id) const = 0;
 
   /// Number of vectors that such a search looks through.
   virtual std::size_t size(std::int64_t collection_id, Space space, std::string_view type,

@@ -4,23 +4,19 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <numeric>
+#include <deque>
 #include <optional>
 #include <thread>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/retrieval/checks.h"
 #include "core/retrieval/nearest_set.h"
 #include "core/retrieval/squared_distance.h"
 
 namespace moduli {
-
-// Versions count writes. A row carries the version that removed it (0: none), so that a search on
-// an older state still sees it: removal needs no copy of anything.
-using RemovedAt = std::atomic<std::uint64_t>;
 
 namespace {
 
@@ -41,59 +37,6 @@ void atLowestPriority(const std::function<void()>& work) {
 
 }  // namespace
 
-/// An immutable part: FLANN over rows by ascending id.
-struct LiveIndex::Base {
-  std::unique_ptr<VectorIndex> index;
-  std::unique_ptr<RemovedAt[]> removed_at;
-  std::atomic<bool> any_removed{false};
-
-  const std::vector<std::int64_t>& ids() const { return index->rows().ids; }
-  std::size_t size() const { return ids().size(); }
-
-  std::optional<std::size_t> positionOf(std::int64_t id) const {
-    const auto found = std::lower_bound(ids().begin(), ids().end(), id);
-    if (found == ids().end() || *found != id) return std::nullopt;
-    return static_cast<std::size_t>(found - ids().begin());
-  }
-
-  std::size_t removedBy(std::uint64_t version) const {
-    return static_cast<std::size_t>(
-        std::count_if(removed_at.get(), removed_at.get() + size(), [&](const RemovedAt& mark) {
-          const std::uint64_t at = mark.load(std::memory_order_acquire);
-          return at != 0 && at <= version;
-        }));
-  }
-
-  static Result<std::shared_ptr<Base>> build(VectorSet set) {
-    RETURN_IF_ERROR(checkVectorSet(set));
-    if (!std::is_sorted(set.ids.begin(), set.ids.end())) set = sorted(set);
-    set.values.shrink_to_fit();
-    set.ids.shrink_to_fit();
-    auto base = std::make_shared<Base>();
-    ASSIGN_OR_RETURN(base->index, makeFlannIndex(std::move(set)));
-    base->removed_at = std::make_unique<RemovedAt[]>(base->size());
-    return base;
-  }
-
- private:
-  static VectorSet sorted(const VectorSet& set) {
-    std::vector<std::size_t> order(set.ids.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return set.ids[a] < set.ids[b]; });
-    VectorSet result{set.dimension, {}, {}};
-    result.values.reserve(set.values.size());
-    result.ids.reserve(set.ids.size());
-    for (const std::size_t row : order) {
-      result.ids.push_back(set.ids[row]);
-      const auto begin = set.values.begin() + static_cast<std::ptrdiff_t>(row * set.dimension);
-      result.values.insert(result.values.end(), begin,
-                           begin + static_cast<std::ptrdiff_t>(set.dimension));
-    }
-    return result;
-  }
-};
-
 /// Rows of the tail. Slots behind a state's tail_count are written while searches read those
 /// before it.
 struct LiveIndex::Chunk {
@@ -105,16 +48,13 @@ struct LiveIndex::Chunk {
 
 /// What one search works on.
 struct LiveIndex::State {
-  std::vector<std::shared_ptr<Base>> bases;  ///< The largest first.
+  std::vector<std::shared_ptr<LiveBase>> bases;  ///< The largest first.
   std::vector<std::shared_ptr<Chunk>> chunks;
   std::size_t tail_count = 0;
   std::size_t removed_count = 0;  ///< Rows in base and tail that are marked.
-  std::uint64_t version = 0;
+  std::uint64_t version = 0;      ///< Counts writes.
 
-  bool shows(const RemovedAt& removed_at) const {
-    const std::uint64_t at = removed_at.load(std::memory_order_acquire);
-    return at == 0 || at > version;
-  }
+  bool shows(const RemovedAt& removed_at) const { return showsAt(version, removed_at); }
   std::size_t rowCount() const {
     std::size_t count = tail_count;
     for (const auto& base : bases) count += base->size();
@@ -133,12 +73,12 @@ struct LiveIndex::State {
 };
 
 LiveIndex::LiveIndex(std::size_t dimension, const Options& options)
-    : dimension_(dimension), options_(options) {}
+    : dimension_(dimension), options_(options), wanted_recall_(options.wanted_recall) {}
 
 Result<std::shared_ptr<LiveIndex>> LiveIndex::build(VectorSet set, const Options& options) {
   std::shared_ptr<LiveIndex> index(new LiveIndex(set.dimension, options));
   auto state = std::make_shared<State>();
-  ASSIGN_OR_RETURN(auto base, Base::build(std::move(set)));
+  ASSIGN_OR_RETURN(auto base, LiveBase::build(std::move(set), options.wanted_recall));
   if (base->size() > 0) state->bases.push_back(std::move(base));
   index->publish(std::move(state));
   return index;
@@ -169,12 +109,8 @@ bool LiveIndex::markRemoved(const State& state, std::int64_t id, std::uint64_t v
   if (const auto found = tail_position_.find(id); found != tail_position_.end()) {
     removed_at = &state.chunks[found->second / kChunkRows]->removed_at[found->second % kChunkRows];
   } else {
-    for (const std::shared_ptr<Base>& base : state.bases) {
-      const auto position = base->positionOf(id);
-      if (!position) continue;
-      removed_at = &base->removed_at[*position];
-      base->any_removed.store(true, std::memory_order_release);
-      break;
+    for (std::size_t b = 0; b < state.bases.size() && removed_at == nullptr; ++b) {
+      removed_at = state.bases[b]->markOf(id);
     }
   }
   std::uint64_t none = 0;
@@ -201,40 +137,111 @@ Status LiveIndex::apply(const VectorSet& added, std::span<const std::int64_t> re
   return {};
 }
 
-Result<std::vector<Neighbor>> LiveIndex::search(
-    Context& context, std::span<const float> query, std::size_t k,
-    const std::function<bool(std::int64_t)>& accept) const {
+// Shows the rows of the tail to the nearest ones found in the bases.
+class LiveIndex::Merging {
+ public:
+  Merging(const State& state, std::size_t dimension, std::span<const float> query, std::size_t k,
+          const std::function<bool(std::int64_t)>& accept)
+      : state_(state),
+        dimension_(dimension),
+        query_(query),
+        accept_(accept),
+        nearest_(k, state.rowCount()) {}
+
+  void add(const NearestRows& found) {
+    for (const Neighbor& neighbor : found.neighbors) {
+      if (nearest_.wants(neighbor)) nearest_.add(neighbor);
+    }
+    if (found.recall) recall_ = std::min(recall_.value_or(1), *found.recall);
+  }
+
+  NearestRows finish() {
+    state_.forTail(
+        0, dimension_,
+        [&](std::int64_t id, std::span<const float> values, const RemovedAt& removed_at) {
+          const Neighbor neighbor{
+              id, std::sqrt(squaredDistance(query_.data(), values.data(), dimension_))};
+          if (nearest_.wants(neighbor) && state_.shows(removed_at) && (!accept_ || accept_(id))) {
+            nearest_.add(neighbor);
+          }
+        });
+    return {nearest_.take(), recall_};
+  }
+
+ private:
+  const State& state_;
+  const std::size_t dimension_;
+  const std::span<const float> query_;
+  const std::function<bool(std::int64_t)>& accept_;
+  NearestSet nearest_;
+  std::optional<double> recall_;
+};
+
+Result<NearestRows> LiveIndex::search(Context& context, std::span<const float> query, std::size_t k,
+                                      const std::function<bool(std::int64_t)>& accept) const {
   RETURN_IF_ERROR(checkQuery(query, dimension_, k));
   const std::shared_ptr<const State> now = state();
-  NearestSet nearest(k, now->rowCount());
-  for (const std::shared_ptr<Base>& base : now->bases) {
-    std::function<bool(std::int64_t)> shown = accept;
-    if (base->any_removed.load(std::memory_order_acquire)) {
-      shown = [&](std::int64_t id) {
-        return now->shows(base->removed_at[*base->positionOf(id)]) && (!accept || accept(id));
-      };
-    }
-    ASSIGN_OR_RETURN(const std::vector<Neighbor> found,
-                     base->index->search(context, query, k, shown));
-    for (const Neighbor& neighbor : found) {
-      if (nearest.wants(neighbor)) nearest.add(neighbor);
-    }
+  Merging merging(*now, dimension_, query, k, accept);
+  for (const std::shared_ptr<LiveBase>& base : now->bases) {
+    ASSIGN_OR_RETURN(const NearestRows found,
+                     base->search(context, query, k, accept, now->version));
+    merging.add(found);
   }
   RETURN_IF_ERROR(context.check());
-  now->forTail(0, dimension_,
-               [&](std::int64_t id, std::span<const float> values, const RemovedAt& removed_at) {
-                 const Neighbor neighbor{
-                     id, std::sqrt(squaredDistance(query.data(), values.data(), dimension_))};
-                 if (nearest.wants(neighbor) && now->shows(removed_at) && (!accept || accept(id))) {
-                   nearest.add(neighbor);
-                 }
-               });
-  return nearest.take();
+  return merging.finish();
+}
+
+Result<std::vector<NearestRows>> LiveIndex::searchMany(
+    Context& context, std::span<const std::vector<float>> queries, std::size_t k,
+    const std::function<bool(std::int64_t)>& accept) const {
+  RETURN_IF_ERROR(checkQueries(queries, dimension_, k));
+  const std::shared_ptr<const State> now = state();
+  std::deque<Merging> merging;
+  for (const std::vector<float>& query : queries) {
+    merging.emplace_back(*now, dimension_, query, k, accept);
+  }
+  for (const std::shared_ptr<LiveBase>& base : now->bases) {
+    ASSIGN_OR_RETURN(const std::vector<NearestRows> found,
+                     base->searchMany(context, queries, k, accept, now->version));
+    for (std::size_t q = 0; q < queries.size(); ++q) merging[q].add(found[q]);
+  }
+  RETURN_IF_ERROR(context.check());
+  std::vector<NearestRows> answers(queries.size());
+  parallelBlocks(queries.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t q = begin; q < end; ++q) answers[q] = merging[q].finish();
+  });
+  return answers;
+}
+
+void LiveIndex::setWantedRecall(const std::optional<double>& wanted_recall) {
+  const std::lock_guard lock(state_mutex_);
+  wanted_recall_ = wanted_recall;
+}
+
+std::optional<double> LiveIndex::wantedRecall() const {
+  const std::lock_guard lock(state_mutex_);
+  return wanted_recall_;
+}
+
+std::optional<double> LiveIndex::recall() const {
+  std::optional<double> recall;
+  const std::shared_ptr<const State> now = state();
+  for (const std::shared_ptr<LiveBase>& base : now->bases) {
+    if (base->recall()) recall = std::min(recall.value_or(1), *base->recall());
+  }
+  return recall;
 }
 
 bool LiveIndex::rebuildDue() const {
   const std::shared_ptr<const State> now = state();
-  return now->tail_count > options_.rebuild_minimum || removedDue(*now);
+  return now->tail_count > options_.rebuild_minimum || removedDue(*now) ||
+         recallDue(*now, wantedRecall());
+}
+
+bool LiveIndex::recallDue(const State& state, const std::optional<double>& wanted_recall) {
+  return std::any_of(
+      state.bases.begin(), state.bases.end(),
+      [&](const std::shared_ptr<LiveBase>& base) { return base->wantedRecall() != wanted_recall; });
 }
 
 bool LiveIndex::removedDue(const State& state) const {
@@ -251,10 +258,11 @@ struct LiveIndex::Merge {
   std::vector<std::pair<std::int64_t, const RemovedAt*>> marks;
 };
 
-LiveIndex::Merge LiveIndex::takeForMerge(const State& before) const {
+LiveIndex::Merge LiveIndex::takeForMerge(const State& before,
+                                         const std::optional<double>& wanted_recall) const {
   Merge merge{before.bases.size(), {dimension_, {}, {}}, {}};
   std::size_t count = before.tail_count;
-  const bool all = removedDue(before);
+  const bool all = removedDue(before) || recallDue(before, wanted_recall);
   while (merge.kept_bases > 0) {
     const std::size_t size = before.bases[merge.kept_bases - 1]->size();
     if (!all && size > kMuchLarger * count) break;
@@ -272,10 +280,10 @@ LiveIndex::Merge LiveIndex::takeForMerge(const State& before) const {
     merge.marks.emplace_back(id, &removed_at);
   };
   for (std::size_t b = merge.kept_bases; b < before.bases.size(); ++b) {
-    const Base& old = *before.bases[b];
-    const std::span<const float> rows(old.index->rows().values);
+    const LiveBase& old = *before.bases[b];
+    const std::span<const float> values(old.rows().values);
     for (std::size_t i = 0; i < old.size(); ++i) {
-      take(old.ids()[i], rows.subspan(i * dimension_, dimension_), old.removed_at[i]);
+      take(old.rows().ids[i], values.subspan(i * dimension_, dimension_), old.removedAt(i));
     }
   }
   before.forTail(0, dimension_, take);
@@ -287,13 +295,14 @@ Status LiveIndex::rebuild() {
   if (!only_one.owns_lock()) return {};
   std::shared_ptr<const State> before = state();
   Merge merge;
-  std::optional<Result<std::shared_ptr<Base>>> built;
+  std::optional<Result<std::shared_ptr<LiveBase>>> built;
   // Only what holds no lock: who waits for a lock must not wait for the lowest priority.
   atLowestPriority([&] {
-    merge = takeForMerge(*before);
-    built = Base::build(std::move(merge.present));
+    const std::optional<double> wanted_recall = wantedRecall();
+    merge = takeForMerge(*before, wanted_recall);
+    built = LiveBase::build(std::move(merge.present), wanted_recall);
   });
-  ASSIGN_OR_RETURN(std::shared_ptr<Base> base, *std::move(built));
+  ASSIGN_OR_RETURN(std::shared_ptr<LiveBase> base, *std::move(built));
   {
     const std::lock_guard lock(write_mutex_);
     const std::shared_ptr<const State> now = state();
@@ -302,8 +311,8 @@ Status LiveIndex::rebuild() {
                        now->bases.begin() + static_cast<std::ptrdiff_t>(merge.kept_bases));
     if (base->size() > 0) next->bases.push_back(std::move(base));
     next->version = now->version;
-    for (const std::shared_ptr<Base>& kept : next->bases) {
-      if (kept->any_removed) next->removed_count += kept->removedBy(next->version);
+    for (const std::shared_ptr<LiveBase>& kept : next->bases) {
+      next->removed_count += kept->removedBy(next->version);
     }
     tail_position_.clear();
     now->forTail(before->tail_count, dimension_,
@@ -318,12 +327,12 @@ Status LiveIndex::rebuild() {
     publish(std::move(next));
   }
   // The last searches of the old bases would have to free them: wait until they are done.
-  std::vector<std::shared_ptr<Base>> dropped(
+  std::vector<std::shared_ptr<LiveBase>> dropped(
       before->bases.begin() + static_cast<std::ptrdiff_t>(merge.kept_bases), before->bases.end());
   before.reset();
   for (int wait = 0; wait < kLongestWait; ++wait) {
     if (std::all_of(dropped.begin(), dropped.end(),
-                    [](const std::shared_ptr<Base>& old) { return old.use_count() == 1; })) {
+                    [](const std::shared_ptr<LiveBase>& old) { return old.use_count() == 1; })) {
       break;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

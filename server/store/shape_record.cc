@@ -44,6 +44,12 @@ Status validateCollectionName(std::string_view name) {
   return {};
 }
 
+Status validateWantedRecall(const std::optional<double>& wanted_recall) {
+  if (!wanted_recall || (*wanted_recall > 0 && *wanted_recall < 1)) return {};
+  return {Reason::kInvalidOption, "a wanted recall lies between 0 and 1, both excluded",
+          "give one such as 0.99, or none for exact search"};
+}
+
 Status validateShapeName(std::string_view name) {
   if (name.empty() || name.size() > 1024 || !isPrintableUtf8(name) ||
       name.find('/') != std::string_view::npos) {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -55,10 +56,15 @@ struct CollectionRecord {
   std::string name;
   Timestamp create_time{};
   std::int64_t shape_count = 0;
+  /// Share of the true nearest that searches are to find; empty: all of them.
+  std::optional<double> wanted_recall = {};
 };
 
 /// 1 to 63 of a-z A-Z 0-9 "-" "_" ".", not starting with "." or "-"; otherwise kInvalidName.
 Status validateCollectionName(std::string_view name);
+
+/// Empty, or between 0 and 1 (neither of them); otherwise kInvalidOption.
+Status validateWantedRecall(const std::optional<double>& wanted_recall);
 
 /// 1 to 1024 bytes of printable UTF-8 without "/"; otherwise kInvalidName.
 Status validateShapeName(std::string_view name);

@@ -19,8 +19,16 @@ Timestamp toTimestamp(std::int64_t microseconds) {
   return Timestamp(std::chrono::microseconds(microseconds));
 }
 
+// Columns 0 to 4: id, name, creation time, number of shapes, wanted recall (0 for NULL).
 CollectionRecord readCollection(const SqliteQuery& query) {
-  return {query.integer(0), query.text(1), toTimestamp(query.integer(2)), query.integer(3)};
+  CollectionRecord record{query.integer(0), query.text(1), toTimestamp(query.integer(2)),
+                          query.integer(3)};
+  if (const double recall = query.real(4); recall > 0) record.wanted_recall = recall;
+  return record;
+}
+
+SqliteQuery& bindOrNull(SqliteQuery& query, const std::optional<double>& value) {
+  return value ? query.bind(*value) : query.bindNull();
 }
 
 Status validateRequestId(std::string_view request_id) {
@@ -41,8 +49,8 @@ Status validateRequestId(std::string_view request_id) {
 
 Result<CollectionRecord> findCollection(SqliteConnection& connection, std::string_view name) {
   ASSIGN_OR_RETURN(SqliteQuery query,
-                   connection.prepare("SELECT id, name, create_time, shape_count FROM collections "
-                                      "WHERE name = ?"));
+                   connection.prepare("SELECT id, name, create_time, shape_count, wanted_recall "
+                                      "FROM collections WHERE name = ?"));
   query.bind(name);
   ASSIGN_OR_RETURN(const bool row, query.step());
   if (!row) {
@@ -103,8 +111,9 @@ Result<std::optional<CollectionRecord>> SqliteCatalog::earlierAnswer(std::string
   ASSIGN_OR_RETURN(SqliteQuery old, writer_->prepare("DELETE FROM requests WHERE create_time < ?"));
   RETURN_IF_ERROR(old.bind(now() - kRequestLifetime).run());
   ASSIGN_OR_RETURN(SqliteQuery query,
-                   writer_->prepare("SELECT collection_id, collection_name, create_time, 0 "
-                                    "FROM requests WHERE request_id = ?"));
+                   writer_->prepare("SELECT r.collection_id, r.collection_name, r.create_time, 0, "
+                                    "c.wanted_recall FROM requests r LEFT JOIN collections c "
+                                    "ON c.id = r.collection_id WHERE r.request_id = ?"));
   query.bind(request_id);
   ASSIGN_OR_RETURN(const bool row, query.step());
   if (!row) return std::optional<CollectionRecord>();
@@ -117,10 +126,12 @@ Result<std::optional<CollectionRecord>> SqliteCatalog::earlierAnswer(std::string
   return std::optional<CollectionRecord>(std::move(answer));
 }
 
-Result<CollectionRecord> SqliteCatalog::createCollection(std::string_view name,
-                                                         std::string_view request_id) {
+Result<CollectionRecord> SqliteCatalog::createCollection(
+    std::string_view name, std::string_view request_id,
+    const std::optional<double>& wanted_recall) {
   RETURN_IF_ERROR(validateCollectionName(name));
   RETURN_IF_ERROR(validateRequestId(request_id));
+  RETURN_IF_ERROR(validateWantedRecall(wanted_recall));
   const std::lock_guard lock(write_mutex_);
   ASSIGN_OR_RETURN(SqliteTransaction transaction,
                    SqliteTransaction::begin(*writer_, SqliteTransaction::Kind::kWrite));
@@ -130,9 +141,10 @@ Result<CollectionRecord> SqliteCatalog::createCollection(std::string_view name,
   }
   const std::int64_t create_time = now();
   ASSIGN_OR_RETURN(SqliteQuery insert,
-                   writer_->prepare("INSERT INTO collections (name, create_time) VALUES (?, ?) "
-                                    "ON CONFLICT (name) DO NOTHING"));
-  RETURN_IF_ERROR(insert.bind(name).bind(create_time).run());
+                   writer_->prepare("INSERT INTO collections (name, create_time, wanted_recall) "
+                                    "VALUES (?, ?, ?) ON CONFLICT (name) DO NOTHING"));
+  insert.bind(name).bind(create_time);
+  RETURN_IF_ERROR(bindOrNull(insert, wanted_recall).run());
   if (writer_->changedRows() == 0) {
     return Status(Reason::kCollectionExists,
                   "there is a collection \"" + std::string(name) + "\" already");
@@ -144,7 +156,37 @@ Result<CollectionRecord> SqliteCatalog::createCollection(std::string_view name,
     RETURN_IF_ERROR(note.bind(request_id).bind(id).bind(name).bind(create_time).run());
   }
   RETURN_IF_ERROR(transaction.commit());
-  return CollectionRecord{id, std::string(name), toTimestamp(create_time), 0};
+  return CollectionRecord{id, std::string(name), toTimestamp(create_time), 0, wanted_recall};
+}
+
+Result<CollectionRecord> SqliteCatalog::updateCollection(
+    std::string_view name, const std::optional<double>& wanted_recall) {
+  RETURN_IF_ERROR(validateWantedRecall(wanted_recall));
+  const std::lock_guard lock(write_mutex_);
+  ASSIGN_OR_RETURN(SqliteTransaction transaction,
+                   SqliteTransaction::begin(*writer_, SqliteTransaction::Kind::kWrite));
+  ASSIGN_OR_RETURN(CollectionRecord collection, findCollection(*writer_, name));
+  if (collection.wanted_recall == wanted_recall) return collection;
+  ASSIGN_OR_RETURN(SqliteQuery update,
+                   writer_->prepare("UPDATE collections SET wanted_recall = ? WHERE id = ?"));
+  RETURN_IF_ERROR(bindOrNull(update, wanted_recall).bind(collection.id).run());
+  RETURN_IF_ERROR(noteChange(Change::Kind::kCollectionChanged, collection.id, 0));
+  RETURN_IF_ERROR(transaction.commit());
+  collection.wanted_recall = wanted_recall;
+  return collection;
+}
+
+Result<std::map<std::int64_t, double>> SqliteCatalog::wantedRecalls() const {
+  ASSIGN_OR_RETURN(const Reader connection, reader());
+  ASSIGN_OR_RETURN(SqliteQuery query,
+                   connection->prepare("SELECT id, wanted_recall FROM collections "
+                                       "WHERE wanted_recall IS NOT NULL"));
+  std::map<std::int64_t, double> recalls;
+  for (;;) {
+    ASSIGN_OR_RETURN(const bool row, query.step());
+    if (!row) return recalls;
+    recalls.emplace(query.integer(0), query.real(1));
+  }
 }
 
 Result<CollectionRecord> SqliteCatalog::getCollection(std::string_view name) const {
@@ -158,8 +200,8 @@ Result<Page<CollectionRecord>> SqliteCatalog::listCollections(const PageRequest&
   ASSIGN_OR_RETURN(const std::string after, readPageToken(kQuery, page.token));
   ASSIGN_OR_RETURN(const Reader connection, reader());
   ASSIGN_OR_RETURN(SqliteQuery query,
-                   connection->prepare("SELECT id, name, create_time, shape_count FROM collections "
-                                       "WHERE name > ? ORDER BY name LIMIT ?"));
+                   connection->prepare("SELECT id, name, create_time, shape_count, wanted_recall "
+                                       "FROM collections WHERE name > ? ORDER BY name LIMIT ?"));
   query.bind(after).bind(static_cast<std::int64_t>(size + 1));
   Page<CollectionRecord> answer;
   for (;;) {

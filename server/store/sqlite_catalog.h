@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -28,8 +29,11 @@ class SqliteCatalog final : public Catalog {
   static Result<std::unique_ptr<SqliteCatalog>> open(const std::filesystem::path& path,
                                                      Clock clock = {});
 
-  Result<CollectionRecord> createCollection(std::string_view name,
-                                            std::string_view request_id) override;
+  Result<CollectionRecord> createCollection(std::string_view name, std::string_view request_id,
+                                            const std::optional<double>& wanted_recall) override;
+  Result<CollectionRecord> updateCollection(std::string_view name,
+                                            const std::optional<double>& wanted_recall) override;
+  Result<std::map<std::int64_t, double>> wantedRecalls() const override;
   Result<CollectionRecord> getCollection(std::string_view name) const override;
   Result<Page<CollectionRecord>> listCollections(const PageRequest& page) const override;
   Result<std::int64_t> deleteCollection(std::string_view name, bool force) override;

@@ -49,6 +49,11 @@ SqliteQuery& SqliteQuery::bindBytes(std::string_view bytes) {
   return *this;
 }
 
+SqliteQuery& SqliteQuery::bindNull() {
+  note(sqlite3_bind_null(statement_, ++bound_));
+  return *this;
+}
+
 Result<bool> SqliteQuery::step() {
   if (bind_failure_ != SQLITE_OK) return connection_->failure(bind_failure_);
   const int code = sqlite3_step(statement_);

@@ -40,6 +40,7 @@ class SqliteQuery {
   SqliteQuery& bind(double value);
   SqliteQuery& bind(std::string_view text);
   SqliteQuery& bindBytes(std::string_view bytes);
+  SqliteQuery& bindNull();
 
   /// True if there is a row to read; also reports failed binds.
   Result<bool> step();
