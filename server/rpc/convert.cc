@@ -67,6 +67,13 @@ bool sound(const Numbers& numbers) {
          std::all_of(numbers.begin(), numbers.end(), [](auto x) { return std::isfinite(x); });
 }
 
+/// What an index takes: squares of larger numbers would overflow float32.
+bool soundVector(const google::protobuf::RepeatedField<float>& vector) {
+  return vector.size() <= kMaxArray && std::all_of(vector.begin(), vector.end(), [](float x) {
+           return std::abs(x) <= 1e38F;  // False for NaN, too.
+         });
+}
+
 bool sound(const v1::ComplexMatrix& matrix) {
   return matrix.size() >= 1 && matrix.size() <= kMaxMatrix &&
          matrix.entries_size() == matrix.size() * matrix.size() &&
@@ -157,9 +164,12 @@ Status checkSignature(const v1::Signature& message) {
   if (!sound(message.metric().conformal_factor_spectrum()) ||
       !sound(message.metric().laplace_spectrum()) ||
       !sound(message.shape().mean_curvature_spectrum()) ||
-      !sound(message.shape().cross_spectrum()) || !sound(vectors.conformal()) ||
-      !sound(vectors.metric()) || !sound(vectors.shape())) {
+      !sound(message.shape().cross_spectrum())) {
     return refuse("an array holds a number that is not finite, or too many of them");
+  }
+  if (!soundVector(vectors.conformal()) || !soundVector(vectors.metric()) ||
+      !soundVector(vectors.shape())) {
+    return refuse("a vector holds a number that is not finite or above 1e38, or too many of them");
   }
   return {};
 }

@@ -49,6 +49,16 @@ TEST_F(Usage, EveryWrongWordExitsTwoWithOneLineAndNoOutput) {
       {"search", "-c", "x"},
       {"search", "-c", "x", "a", "--id", "b"},
       {"search", "-c", "x", "a", "-k", "0"},
+      {"search", "-c", "x", "a", "-k", "-1"},
+      {"search", "-c", "x", "--all", "a"},
+      {"search", "-c", "x", "--all", "--id", "a"},
+      {"search", "-c", "x", "--from-file", "list", "--id", "a"},
+      {"search", "-c", "x", "--all", "--picture", "out.png"},
+      {"search", "-c", "x", "a", "b", "--picture", "out.png"},
+      {"collection", "create", "x", "--approximate=1"},
+      {"collection", "create", "x", "--approximate=none"},
+      {"collection", "edit", "x"},
+      {"collection", "edit", "x", "--exact", "--approximate"},
       {"sample"},
       {"sample", "dodo", "-o", "a.off"},
       {"sample", "torus"},
@@ -154,7 +164,7 @@ offer moduli add -c x --tag k=v --lab
   options.scratch = path(".");
   Process bash({"/bin/bash", path("complete.sh")}, options);
   EXPECT_EQ(bash.wait().out,
-            "signature\ncreate delete list show\nconformal metric shape\n--label-from\n");
+            "signature\ncreate delete edit list show\nconformal metric shape\n--label-from\n");
 }
 
 TEST_F(Usage, ServeHandsItsOptionsToModulid) {

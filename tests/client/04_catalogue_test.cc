@@ -6,15 +6,7 @@ namespace {
 
 using testing::HasSubstr;
 
-class Catalogue : public CliTest {
- protected:
-  Json json(std::vector<std::string> words) const {
-    words.push_back("--json");
-    const ProcessResult result = run(words);
-    EXPECT_THAT(result, Succeeds());
-    return Json::parse(result.out);
-  }
-};
+class Catalogue : public CliTest {};
 
 // A sample in OFF, with all coordinates times `scale`, written to the last bit.
 std::string scaled(const std::string& off, double scale) {

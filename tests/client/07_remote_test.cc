@@ -11,13 +11,6 @@ using testing::HasSubstr;
 
 class Remote : public CliTest {
  protected:
-  Json json(std::vector<std::string> words) const {
-    words.push_back("--json");
-    const ProcessResult result = run(words);
-    EXPECT_THAT(result, Succeeds());
-    return Json::parse(result.out);
-  }
-
   // The failure of signing a mesh at a server.
   std::string failureAt(const std::string& address, const std::string& timeout = "20") const {
     write("a.off", icosahedronOff());

@@ -16,15 +16,7 @@ const std::string kSquareTorus =
  "lengths": [[1, 1, 1.4142135623730951], [1.4142135623730951, 1, 1]]}
 )";
 
-class Intrinsic : public CliTest {
- protected:
-  Json json(std::vector<std::string> words) const {
-    words.push_back("--json");
-    const ProcessResult result = run(words);
-    EXPECT_THAT(result, Succeeds());
-    return Json::parse(result.out);
-  }
-};
+class Intrinsic : public CliTest {};
 
 TEST_F(Intrinsic, SamplesAreValidSurfacesOfTheirGenus) {
   for (const auto& [kind, genus] : {std::pair{"bolza", 2}, std::pair{"klein", 3}}) {

@@ -42,12 +42,6 @@ class GenusZero : public CliTest {
     return Obj::parse(read("out.obj"));
   }
 
-  void expectRefusal(const std::vector<std::string>& words, const std::string& why) const {
-    const ProcessResult result = run(words);
-    EXPECT_THAT(result, FailsWithOneLine());
-    EXPECT_THAT(result.err, HasSubstr(why));
-  }
-
   double certificate(const std::string& key) const {
     return (*report_)["certificate"][key].number();
   }

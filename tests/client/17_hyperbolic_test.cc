@@ -16,21 +16,7 @@ using Complex = std::complex<double>;
 /// Of a regular octagon with its opposite sides glued.
 const double kSystole = 2 * std::acosh(1 + std::numbers::sqrt2);
 
-class Hyperbolic : public CliTest {
- protected:
-  Json json(std::vector<std::string> words) const {
-    words.emplace_back("--json");
-    const ProcessResult result = run(words);
-    EXPECT_THAT(result, Succeeds());
-    return Json::parse(result.out.empty() ? "null\n" : result.out);
-  }
-
-  void expectRefusal(const std::vector<std::string>& words, const std::string& why) const {
-    const ProcessResult result = run(words);
-    EXPECT_THAT(result, FailsWithOneLine());
-    EXPECT_THAT(result.err, HasSubstr(why));
-  }
-};
+class Hyperbolic : public CliTest {};
 
 Complex image(const Json& isometry, Complex z) {
   const Complex a(isometry["a"]["re"].number(), isometry["a"]["im"].number());

@@ -32,19 +32,6 @@ class Evaluate : public CliTest {
       EXPECT_THAT(run({"edit", "-c", "z", shape, "--label", label}), Succeeds());
     }
   }
-
-  Json json(std::vector<std::string> words) const {
-    words.emplace_back("--json");
-    const ProcessResult result = run(words);
-    EXPECT_THAT(result, Succeeds());
-    return Json::parse(result.out.empty() ? "null\n" : result.out);
-  }
-
-  void expectRefusal(const std::vector<std::string>& words, const std::string& why) const {
-    const ProcessResult result = run(words);
-    EXPECT_THAT(result, FailsWithOneLine());
-    EXPECT_THAT(result.err, HasSubstr(why));
-  }
 };
 
 TEST_F(Evaluate, LabelsThatDistancesFollowAreFoundWhole) {

@@ -63,6 +63,19 @@ ProcessResult CliTest::run(const std::vector<std::string>& words, Process::Optio
   return start(words, std::move(options))->wait();
 }
 
+Json CliTest::json(std::vector<std::string> words) const {
+  words.emplace_back("--json");
+  const ProcessResult result = run(words);
+  EXPECT_THAT(result, Succeeds());
+  return Json::parse(result.out);
+}
+
+void CliTest::expectRefusal(const std::vector<std::string>& words, const std::string& why) const {
+  const ProcessResult result = run(words);
+  EXPECT_THAT(result, FailsWithOneLine());
+  EXPECT_THAT(result.err, testing::HasSubstr(why));
+}
+
 std::string CliTest::write(const std::string& name, const std::string& content) const {
   fs::create_directories(fs::path(path(name)).parent_path());
   std::ofstream(path(name), std::ios::binary) << content;

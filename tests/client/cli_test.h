@@ -37,6 +37,10 @@ class CliTest : public testing::Test {
 
   /// Runs moduli here. MODULI_* are taken out of the environment first.
   ProcessResult run(const std::vector<std::string>& words, Process::Options options = {}) const;
+  /// The one document that moduli prints with --json.
+  Json json(std::vector<std::string> words) const;
+  /// moduli fails with one line that tells why.
+  void expectRefusal(const std::vector<std::string>& words, const std::string& why) const;
   std::unique_ptr<Process> start(const std::vector<std::string>& words,
                                  Process::Options options = {}) const;
 

@@ -228,7 +228,7 @@ TEST_F(CatalogTest, SearchHonoursFilterSpaceAndCount) {
   ASSERT_OK(conformal);
   ASSERT_EQ(conformal->hits_size(), 20);
   EXPECT_EQ(conformal->hits(19).distance(), 0.0) << "all spheres are conformally one";
-  request.set_k(1001);
+  request.set_k(1'000'001);
   EXPECT_THAT(peer_->search(request), FailsWith(Reason::kInvalidOption));
   request.set_k(0);
   const auto usual = peer_->search(request);

@@ -1,6 +1,7 @@
 #include "tests/server/service/fixture.h"
 
 #include <grpcpp/generic/generic_stub.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -41,8 +42,11 @@ grpc::ByteBuffer healthRequest(const std::string& service) {
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (fs::temp_directory_path() / "moduli_test_XXXXXX").string();
+TemporaryFolder::TemporaryFolder(Place place) {
+  const fs::path memory = "/dev/shm";
+  const bool use_memory = place == Place::kMemory && ::access(memory.c_str(), W_OK) == 0;
+  std::string pattern =
+      ((use_memory ? memory : fs::temp_directory_path()) / "moduli_test_XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) std::abort();
   path_ = pattern;
 }
@@ -138,11 +142,27 @@ Result<v1::Signature> Peer::sign(const v1::MeshSource& source, v1::Signature::Sp
   return last.signature();
 }
 
-Result<v1::SearchResult> Peer::search(const v1::SearchShapesRequest& request) {
+Result<v1::SearchShapesResponse> Peer::searchPage(const v1::SearchShapesRequest& request) {
   grpc::ClientContext context;
   ASSIGN_OR_RETURN(const auto last, lastEvent(*catalog().SearchShapes(&context, request)));
   if (!last.has_result()) return Status(Reason::kInternal, "the stream had no result");
-  return last.result();
+  return last;
+}
+
+Result<v1::SearchResult> Peer::search(const v1::SearchShapesRequest& request) {
+  ASSIGN_OR_RETURN(const v1::SearchShapesResponse page, searchPage(request));
+  return page.result();
+}
+
+Result<std::vector<v1::QueryResult>> Peer::searchMany(const v1::BatchSearchShapesRequest& request) {
+  grpc::ClientContext context;
+  const auto reader = catalog().BatchSearchShapes(&context, request);
+  std::vector<v1::QueryResult> results;
+  v1::BatchSearchShapesResponse event;
+  while (reader->Read(&event)) {
+    if (event.has_result()) results.push_back(event.result());
+  }
+  return answered(reader->Finish(), results);
 }
 
 Result<v1::Shape> Peer::getShape(const std::string& name) {

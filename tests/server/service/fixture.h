@@ -19,10 +19,13 @@
 /// What the tests of the services share: a server in this process, reached over TCP on a free port.
 namespace moduli {
 
-/// A folder of its own below the system's temporary one, gone with the object.
+/// A folder of its own below the system's temporary one, or in memory where there is such a place
+/// (no test of durability wants that), gone with the object.
 class TemporaryFolder {
  public:
-  TemporaryFolder();
+  enum class Place { kMemory, kDisk };
+
+  explicit TemporaryFolder(Place place = Place::kDisk);
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
@@ -67,6 +70,9 @@ class Peer {
   Result<v1::Signature> sign(const v1::MeshSource& source,
                              v1::Signature::Space space = v1::Signature::SPACE_UNSPECIFIED);
   Result<v1::SearchResult> search(const v1::SearchShapesRequest& request);
+  /// With the token of the next page.
+  Result<v1::SearchShapesResponse> searchPage(const v1::SearchShapesRequest& request);
+  Result<std::vector<v1::QueryResult>> searchMany(const v1::BatchSearchShapesRequest& request);
   Result<v1::Shape> getShape(const std::string& name);
   Result<std::vector<v1::Shape>> listShapes(const std::string& collection);
   Result<std::string> download(const std::string& name);

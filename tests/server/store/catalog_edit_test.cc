@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "server/store/sqlite_catalog.h"
 #include "tests/server/store/store_testing.h"
 
@@ -130,6 +132,34 @@ TEST_F(CatalogEditTest, ACancelledDeletionDeletesNothing) {
   EXPECT_THAT(catalog_->deleteShapes(context, "c", filter("genus > 0"), false),
               FailsWith(Reason::kCancelled));
   EXPECT_THAT(names(), ElementsAre("a", "b", "d"));
+}
+
+TEST_F(CatalogEditTest, ACollectionKeepsTheRecallThatItWants) {
+  ASSERT_OK(catalog_->createCollection("fast", "0b1e-9", 0.95));
+  EXPECT_EQ(catalog_->getCollection("fast")->wanted_recall, 0.95);
+  EXPECT_EQ(catalog_->createCollection("fast", "0b1e-9", 0.95)->wanted_recall, 0.95);
+  EXPECT_EQ(catalog_->listCollections({})->items.back().wanted_recall, 0.95);
+  EXPECT_FALSE(catalog_->getCollection("c")->wanted_recall);
+  const auto id = catalog_->getCollection("c")->id;
+  const auto before = catalog_->changesSince(0, 100)->changes;
+  const std::int64_t sequence = before.empty() ? 0 : before.back().sequence;
+  const auto updated = catalog_->updateCollection("c", 0.5);
+  ASSERT_OK(updated);
+  EXPECT_EQ(updated->wanted_recall, 0.5);
+  ASSERT_OK(catalog_->updateCollection("c", 0.5));  // Changes nothing.
+  const auto changes = catalog_->changesSince(sequence, 100)->changes;
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].kind, Change::Kind::kCollectionChanged);
+  EXPECT_EQ(changes[0].collection_id, id);
+  EXPECT_EQ(catalog_->wantedRecalls()->at(id), 0.5);
+  EXPECT_EQ(catalog_->wantedRecalls()->size(), 2U);
+  ASSERT_OK(catalog_->updateCollection("c", {}));
+  EXPECT_EQ(catalog_->wantedRecalls()->size(), 1U);
+  for (const double bad : {0.0, 1.0, -1.0, 2.0, std::nan("")}) {
+    EXPECT_THAT(catalog_->createCollection("bad", "", bad), FailsWith(Reason::kInvalidOption));
+    EXPECT_THAT(catalog_->updateCollection("c", bad), FailsWith(Reason::kInvalidOption));
+  }
+  EXPECT_THAT(catalog_->updateCollection("none", 0.5), FailsWith(Reason::kCollectionNotFound));
 }
 
 }  // namespace

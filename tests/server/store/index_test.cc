@@ -80,8 +80,9 @@ TEST(LiveIndex, AnyInterleavingOfWritesAndRebuildsAnswersLikeTheModel) {
       const auto query = randomVector(random);
       const std::size_t k = 1 + random() % 12;
       const auto odd = [](std::int64_t id) { return id % 2 == 1; };
-      ASSERT_EQ(*index->search(context, query, k), expected(model, query, k)) << seed << step;
-      ASSERT_EQ(*index->search(context, query, k, odd), expected(model, query, k, odd));
+      ASSERT_EQ(index->search(context, query, k)->neighbors, expected(model, query, k))
+          << seed << step;
+      ASSERT_EQ(index->search(context, query, k, odd)->neighbors, expected(model, query, k, odd));
     }
   }
 }
@@ -118,7 +119,8 @@ TEST(LiveIndex, SnapshotsAndTailAnswerLikeLookingAtEveryRow) {
     for (int q = 0; q < 5; ++q) {
       std::vector<float> query(kWide);
       for (float& value : query) value = std::round(3 * normal(random));
-      ASSERT_EQ(*index->search(context, query, 20), *brute->search(context, query, 20, present));
+      ASSERT_EQ(index->search(context, query, 20)->neighbors,
+                *brute->search(context, query, 20, present));
     }
   }
 }
@@ -131,7 +133,7 @@ TEST(LiveIndex, RefusesWhatDoesNotFitAndStaysAsItWas) {
   EXPECT_EQ(index->size(), 0U);
   EXPECT_THAT(index->search(context, std::vector<float>{1, 2}, 1),
               FailsWith(Reason::kInvalidOption));
-  EXPECT_TRUE(index->search(context, std::vector<float>{1, 2, 3}, 5)->empty());
+  EXPECT_TRUE(index->search(context, std::vector<float>{1, 2, 3}, 5)->neighbors.empty());
 }
 
 TEST(LiveIndex, AsksForARebuildWhenTailAndHolesGrow) {
@@ -180,13 +182,14 @@ TEST(LiveIndex, SearchesSeeWholeWritesWhileIndexIsRebuilt) {
       std::int64_t last = kMoving;
       for (int round = 0; round < 300; ++round) {
         Context context;
-        const auto found = index->search(context, std::vector<float>(kDimension, 0), 51);
-        EXPECT_OK(found);
-        EXPECT_EQ(found->size(), 51U);
-        EXPECT_GE((*found)[0].id, last);  // Never back to an older state.
-        last = (*found)[0].id;
-        for (std::size_t i = 1; i < found->size(); ++i) {
-          EXPECT_EQ((*found)[i].id, static_cast<std::int64_t>(i));
+        const auto answer = index->search(context, std::vector<float>(kDimension, 0), 51);
+        EXPECT_OK(answer);
+        const std::vector<Neighbor>& found = answer->neighbors;
+        EXPECT_EQ(found.size(), 51U);
+        EXPECT_GE(found[0].id, last);  // Never back to an older state.
+        last = found[0].id;
+        for (std::size_t i = 1; i < found.size(); ++i) {
+          EXPECT_EQ(found[i].id, static_cast<std::int64_t>(i));
         }
       }
       --searching;
@@ -233,12 +236,12 @@ class IndexKeeperTest : public testing::Test {
   std::vector<std::int64_t> found(const IndexKeeper& keeper, const std::string& collection,
                                   Space space, const std::string& type = "TORUS") {
     Context context;
-    const auto neighbors = keeper.search(context, ids_[collection], space, type,
-                                         std::vector<float>(kDimension, 0), 100);
-    EXPECT_OK(neighbors);
+    const auto rows = keeper.search(context, ids_[collection], space, type,
+                                    std::vector<float>(kDimension, 0), 100);
+    EXPECT_OK(rows);
     std::vector<std::int64_t> ids;
-    if (neighbors.ok()) {
-      for (const Neighbor& neighbor : *neighbors) ids.push_back(neighbor.id);
+    if (rows.ok()) {
+      for (const Neighbor& neighbor : rows->neighbors) ids.push_back(neighbor.id);
     }
     return ids;
   }

@@ -1,5 +1,6 @@
 #include "server/store/migrations.h"
 
+#include "server/store/sqlite_catalog.h"
 #include "tests/server/store/store_testing.h"
 
 namespace moduli {
@@ -42,6 +43,17 @@ TEST_F(MigrationTest, AnOldStoreIsBroughtUpToDateStepByStep) {
   EXPECT_EQ(number("SELECT y FROM a"), 20);
   EXPECT_EQ(number("PRAGMA user_version"), 3);
   EXPECT_THAT(migrate(*connection_, std::span(steps).first(2)), FailsWith(Reason::kStoreTooNew));
+}
+
+TEST_F(MigrationTest, CollectionsOfTheFirstSchemaAreExact) {
+  ASSERT_OK(migrate(*connection_, allMigrations().first(1)));
+  ASSERT_OK(connection_->execute("INSERT INTO collections (name, create_time) VALUES ('old', 7)"));
+  const auto catalog = SqliteCatalog::open(folder_.path() / "m.sqlite");
+  ASSERT_OK(catalog);
+  const auto old = (*catalog)->getCollection("old");
+  ASSERT_OK(old);
+  EXPECT_FALSE(old->wanted_recall);
+  EXPECT_TRUE((*catalog)->wantedRecalls()->empty());
 }
 
 TEST_F(MigrationTest, AFailingStepUndoesThoseBeforeIt) {

@@ -1,129 +1,11 @@
 #include "server/store/search.h"
 
-#include <cstring>
-#include <map>
 #include <random>
 
-#include "server/store/sqlite_catalog.h"
-#include "tests/server/store/store_testing.h"
+#include "tests/server/store/search_testing.h"
 
 namespace moduli {
 namespace {
-
-using Doubles = std::vector<double>;
-
-// In these tests a signature's bytes are its vector in double precision.
-std::string encode(const Doubles& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double)};
-}
-
-Doubles decode(const std::string& bytes) {
-  Doubles values(bytes.size() / sizeof(double));
-  std::memcpy(values.data(), bytes.data(), bytes.size());
-  return values;
-}
-
-double euclidean(const Doubles& a, const Doubles& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(sum);
-}
-
-// The conformal distance of these tests: nothing that the vectors tell.
-double hashed(const Doubles& a, const Doubles& b) {
-  return std::abs(std::remainder(1000 * (a[0] - b[0]) + 377 * (a[1] - b[1]), 1.0));
-}
-
-std::string numbered(char letter, int number) {
-  std::string name(1, letter);
-  name += std::to_string(number);
-  return name;
-}
-
-std::vector<float> rounded(const Doubles& values) {
-  return {values.begin(), values.end()};
-}
-
-class SearchTest : public testing::Test {
- protected:
-  void SetUp() override {
-    auto opened = SqliteCatalog::open(folder_.path() / "catalog.sqlite");
-    ASSERT_OK(opened);
-    catalog_ = *std::move(opened);
-    ASSERT_OK(catalog_->createCollection("c", ""));
-    Context context;
-    auto keeper = IndexKeeper::open(context, *catalog_, {});
-    ASSERT_OK(keeper);
-    keeper_ = *std::move(keeper);
-  }
-
-  void put(const std::string& name, const Doubles& values, const std::string& type = "TORUS") {
-    ShapeRecord shape = sampleShape("c", name);
-    shape.topology.type = type;
-    shape.topology.genus = static_cast<int>(name.size() % 3);
-    shape.signature = encode(values);
-    const bool sphere = type == "SPHERE";
-    shape.vectors = {sphere ? std::vector<float>() : rounded(values), rounded(values),
-                     rounded(values)};
-    ASSERT_OK(catalog_->putShape(shape, OnExists::kReplace));
-    stored_[name] = {values, shape};
-  }
-
-  SearchQuery query(Space space, const Doubles& values, std::size_t k,
-                    const std::string& filter = "") {
-    SearchQuery query;
-    query.collection = "c";
-    query.space = space;
-    query.type = "TORUS";
-    query.vector = rounded(values);
-    query.k = k;
-    query.filter = *Filter::parse(filter);
-    query.distance = [this, values, space](const ShapeRecord& shape) {
-      ++compared_;
-      const Doubles other = decode(shape.signature);
-      return Result<std::optional<double>>(std::optional<double>(
-          space == Space::kConformal ? hashed(values, other) : euclidean(values, other)));
-    };
-    return query;
-  }
-
-  std::vector<std::pair<double, std::string>> found(const SearchQuery& query, bool exact = true) {
-    EXPECT_OK(keeper_->refresh());
-    compared_ = 0;
-    Context context;
-    const auto answer = searchShapes(context, *catalog_, *keeper_, query);
-    EXPECT_OK(answer);
-    std::vector<std::pair<double, std::string>> hits;
-    if (!answer.ok()) return hits;
-    EXPECT_EQ(answer->exact, exact);
-    for (const SearchHit& hit : answer->hits) hits.emplace_back(hit.distance, hit.name);
-    return hits;
-  }
-
-  // By looking at every shape.
-  std::vector<std::pair<double, std::string>> wanted(Space space, const Doubles& values,
-                                                     std::size_t k,
-                                                     const std::string& filter = "") {
-    std::vector<std::pair<double, std::string>> all;
-    const Filter condition = *Filter::parse(filter);
-    for (const auto& [name, entry] : stored_) {
-      const auto& [other, shape] = entry;
-      if (!condition.matches(shape)) continue;
-      if (space == Space::kConformal && shape.topology.type != "TORUS") continue;
-      all.emplace_back(
-          space == Space::kConformal ? hashed(values, other) : euclidean(values, other), name);
-    }
-    std::sort(all.begin(), all.end());
-    all.resize(std::min(k, all.size()));
-    return all;
-  }
-
-  TemporaryFolder folder_;
-  std::unique_ptr<Catalog> catalog_;
-  std::unique_ptr<IndexKeeper> keeper_;
-  std::map<std::string, std::pair<Doubles, ShapeRecord>> stored_;
-  int compared_ = 0;
-};
 
 // Values that float32 cannot tell apart: only the doubles decide, as the answer must.
 TEST_F(SearchTest, MetricAndShapeSpaceAreExactBeyondFloatRounding) {
@@ -146,7 +28,7 @@ TEST_F(SearchTest, MetricAndShapeSpaceAreExactBeyondFloatRounding) {
 TEST_F(SearchTest, ComparesLittleMoreThanItAnswers) {
   for (int i = 0; i < 200; ++i) put(numbered('s', i), {0.1 * i, 1, 2});
   found(query(Space::kShape, {3, 1, 2}, 5));
-  EXPECT_LE(compared_, 32);
+  EXPECT_LE(read_, 32);
 }
 
 TEST_F(SearchTest, AFilterStillGivesKHits) {
@@ -204,15 +86,19 @@ TEST_F(SearchTest, SpheresAreAllTheSameAndComeByName) {
 TEST_F(SearchTest, AShapeThatCannotBeComparedIsLeftOutAndAdmitted) {
   for (const char* name : {"a", "b", "c"}) put(name, {1, 2, 3});
   SearchQuery asked = query(Space::kShape, {1, 2, 3}, 5);
-  const auto distance = asked.distance;
-  asked.distance = [&](const ShapeRecord& shape) -> Result<std::optional<double>> {
+  const auto read = asked.read;
+  asked.read = [&](const ShapeRecord& shape) -> Result<Signature> {
     if (shape.name == "b") return Status(Reason::kStoreCorrupt, "no signature");
-    return distance(shape);
+    return read(shape);
   };
   const std::vector<std::pair<double, std::string>> rest{{0, "a"}, {0, "c"}};
   EXPECT_EQ(found(asked, false), rest);
-  asked.distance = [&](const ShapeRecord& shape) -> Result<std::optional<double>> {
-    return shape.name == "b" ? Result<std::optional<double>>(std::nullopt) : distance(shape);
+  asked.read = [&](const ShapeRecord& shape) -> Result<Signature> {
+    if (shape.name == "b") return Signature();
+    return read(shape);
+  };
+  asked.distance = [](const Signature& shape) {
+    return shape.conformal ? std::optional(0.0) : std::nullopt;
   };
   EXPECT_EQ(found(asked), rest);  // No distance is defined: not a failure.
 }
@@ -251,7 +137,7 @@ TEST_F(SearchTest, FailuresAreToldApart) {
   EXPECT_THAT(searchShapes(context, *catalog_, *keeper_, asked),
               FailsWith(Reason::kCollectionNotFound));
   asked = query(Space::kShape, {1, 2, 3}, 1);
-  asked.distance = [](const ShapeRecord&) -> Result<std::optional<double>> {
+  asked.read = [](const ShapeRecord&) -> Result<Signature> {
     return Status(Reason::kDeadlineExceeded, "too late");
   };
   EXPECT_THAT(searchShapes(context, *catalog_, *keeper_, asked),
