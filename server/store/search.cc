@@ -15,6 +15,9 @@ namespace moduli {
 namespace {
 
 constexpr std::size_t kReadAtOnce = 16;
+// Neighbours asked for beyond the hits wanted: one tells that there are more, the next one that it
+// comes later.
+constexpr std::size_t kBeyond = 4;
 constexpr int kAttempts = 3;
 // Shapes that a batch keeps in memory, some kilobytes each, and queries that it takes together.
 constexpr std::size_t kRemembered = 30000;
@@ -72,9 +75,9 @@ struct Place {
   }
 };
 
-/// Neighbours that the first candidates are taken of: so many and the hits before the page.
+/// As many neighbours as usually hold the page.
 std::size_t firstCount(const SearchQuery& query) {
-  return (query.after ? query.after->count : 0) + query.k + kReadAtOnce;
+  return (query.after ? query.after->count : 0) + query.k + kBeyond;
 }
 
 class Search {
@@ -193,16 +196,15 @@ class Search {
   // From candidate i on. With a bound, ends when no later one can count any more: done_.
   Status compareFrom(const std::vector<Neighbor>& found, std::size_t i,
                      const RoundingBound* bound) {
-    done_ = false;
-    for (; i < found.size(); i += kReadAtOnce) {
-      const double distance = found[i].distance;
-      if (bound != nullptr && best_.full() && distance - bound->at(distance) > best_.worst()) {
-        done_ = true;
-        return {};
-      }
+    const auto beyond = [&](const Neighbor& row) {
+      return bound != nullptr && best_.full() &&
+             row.distance - bound->at(row.distance) > best_.worst();
+    };
+    for (; i < found.size() && !beyond(found[i]); i += kReadAtOnce) {
       RETURN_IF_ERROR(
           compare(std::span(found).subspan(i, std::min(kReadAtOnce, found.size() - i)), bound));
     }
+    done_ = !found.empty() && beyond(found.back());
     return {};
   }
 
