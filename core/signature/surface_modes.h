@@ -16,12 +16,18 @@ inline constexpr Eigen::Index kModeCount = 50;
 /// Eigenpairs of a surface scaled to area 1; a boundary is free (Neumann's condition).
 struct SurfaceModes {
   Eigen::VectorXd values;       ///< kModeCount, ascending, positive; tend to 4 pi k (Weyl).
-  Eigen::MatrixXd functions;    ///< vertices x kModeCount, orthonormal by `areas`.
+  Eigen::MatrixXd functions;    ///< Vertices x kModeCount, orthonormal by `areas`.
   std::vector<double> areas;    ///< Per vertex its share of the area, sum 1.
   double largest_residual = 0;  ///< As EigenPairs has it.
 };
 
-/// Piecewise linear functions with lumped masses, whose values are too small: on equilateral faces
+/// They belong to the polyhedral surface and not to its triangulation: functions are linear on an
+/// intrinsic Delaunay triangulation none of whose edges is longer than an eighth of the wavelength
+/// of the last mode by Weyl's law, and nearly all of what a coarse mesh of the surface would do to
+/// them is gone. The given vertices come first, those of this triangulation after them. Where
+/// rounding keeps flips from ending, the given triangulation stands.
+///
+/// Masses are lumped, whose values are too small: on equilateral faces
 /// with sides h by the part mu h^2 / 16, which is what a mass matrix halfway to the consistent one
 /// would give back. That part is given back to each value by the first order of perturbation, in
 /// the mean over values within some percent of it, so that multiplets and the end of the list do
@@ -30,8 +36,8 @@ struct SurfaceModes {
 /// lengths: per edge, proper triangles, a connected surface. Functions are known up to sign, and up
 /// to rotations among equal values: only what such rotations keep may enter a descriptor. A surface
 /// of fewer than kModeCount + 1 vertices gets its missing modes as values of Weyl's law after the
-/// last one and functions 0. Fails as smallestEigenpairs does. Stages as its. 10 to 18 F on 20,000
-/// faces.
+/// last one and functions 0. Fails as smallestEigenpairs does. Stages: "refine" and its. 10 to 18 F
+/// on 20,000 faces.
 Result<SurfaceModes> surfaceModes(Context& context, const Connectivity& surface,
                                   const std::vector<double>& lengths);
 
