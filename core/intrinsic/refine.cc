@@ -31,6 +31,18 @@ Result<RefinedSurface> makeDelaunay(Context& context, const Connectivity& surfac
   return RefinedSurface{std::move(connectivity), std::move(proper.lengths)};
 }
 
+Status checkLongest(const RefineOptions& options) {
+  if (options.longest > 0) return {};
+  return {Reason::kInvalidOption, "the longest length of an edge is not positive"};
+}
+
+/// `longest` doubled until no edge is longer.
+double firstLimit(const std::vector<double>& lengths, double longest) {
+  const double most = *std::max_element(lengths.begin(), lengths.end());
+  while (longest < most) longest *= 2;
+  return longest;
+}
+
 /// Per edge.
 using Marks = std::vector<bool>;
 
@@ -57,15 +69,15 @@ void closeMarks(const Connectivity& surface, Marks& marks) {
 }
 
 /// The edges over the limit and those that closing adds; empty if there are none.
-Marks edgesOver(const RefinedSurface& metric, double limit) {
-  Marks marks(metric.lengths.size());
+Marks edgesOver(const Connectivity& surface, const std::vector<double>& lengths, double limit) {
+  Marks marks(lengths.size());
   bool any = false;
   for (std::size_t e = 0; e < marks.size(); ++e) {
-    marks[e] = metric.lengths[e] > limit;
+    marks[e] = lengths[e] > limit;
     any |= marks[e];
   }
   if (!any) return {};
-  closeMarks(metric.surface, marks);
+  closeMarks(surface, marks);
   return marks;
 }
 
@@ -83,9 +95,9 @@ double medianLength(double a, double b, double c) {
 /// Cuts each face with one marked edge in two, with three in four; there are no faces with two.
 class Halver {
  public:
-  Halver(const RefinedSurface& metric, const Marks& marks)
-      : given_(metric.surface),
-        lengths_(metric.lengths),
+  Halver(const Connectivity& surface, const std::vector<double>& lengths, const Marks& marks)
+      : given_(surface),
+        lengths_(lengths),
         middle_(marks.size(), kNone),
         pieces_(given_.halfedgeCount(), {kNone, kNone}),
         vertex_count_(given_.vertexCount()) {
@@ -94,6 +106,7 @@ class Halver {
     }
   }
 
+  /// May be called once.
   RefinedSurface run() {
     for (Index f = 0; f < given_.faceCount(); ++f) cut(f);
     glueSides();
@@ -185,27 +198,49 @@ class Halver {
 Result<RefinedSurface> refineDelaunay(Context& context, const Connectivity& surface,
                                       const std::vector<double>& lengths,
                                       const RefineOptions& options) {
-  if (!(options.longest > 0)) {
-    return Status{Reason::kInvalidOption, "the longest length of an edge is not positive"};
-  }
+  RETURN_IF_ERROR(checkLongest(options));
   const Context::Stage stage(context, "refine");
   ASSIGN_OR_RETURN(RefinedSurface metric, makeDelaunay(context, surface, lengths));
-  double limit = options.longest;
-  while (limit < *std::max_element(metric.lengths.begin(), metric.lengths.end())) limit *= 2;
-  const Index most = options.most_added;
   Index added = 0;
-  while (limit > options.longest) {
+  for (double limit = firstLimit(metric.lengths, options.longest); limit > options.longest;) {
     limit /= 2;
     for (int round = 0; round < kRoundsPerLimit; ++round) {
-      const Marks marks = edgesOver(metric, limit);
+      const Marks marks = edgesOver(metric.surface, metric.lengths, limit);
       if (marks.empty()) break;
       added += facesAdded(metric.surface, marks);
-      if (added > most) return metric;
-      const RefinedSurface halved = Halver(metric, marks).run();
+      if (added > options.most_added) return metric;
+      const RefinedSurface halved = Halver(metric.surface, metric.lengths, marks).run();
       ASSIGN_OR_RETURN(metric, makeDelaunay(context, halved.surface, halved.lengths));
     }
   }
   return metric;
+}
+
+Result<RefinedMesh> refineInSpace(Context& context, RefinedMesh mesh,
+                                  const RefineOptions& options) {
+  RETURN_IF_ERROR(checkLongest(options));
+  const Context::Stage stage(context, "refine");
+  Index added = 0;
+  for (double limit = firstLimit(mesh.lengths, options.longest); limit > options.longest;) {
+    limit /= 2;
+    for (;;) {
+      RETURN_IF_ERROR(context.check());
+      const Marks marks = edgesOver(mesh.surface, mesh.lengths, limit);
+      if (marks.empty()) break;
+      added += facesAdded(mesh.surface, marks);
+      if (added > options.most_added) return mesh;
+      for (Index e = 0; e < mesh.surface.edgeCount(); ++e) {
+        if (!marks[e]) continue;
+        const Index h = mesh.surface.halfedge(e);
+        const Eigen::Vector3d p = mesh.positions[mesh.surface.tail(h)];
+        mesh.positions.push_back(p + (mesh.positions[mesh.surface.head(h)] - p) / 2);
+      }
+      RefinedSurface halved = Halver(mesh.surface, mesh.lengths, marks).run();
+      mesh.surface = std::move(halved.surface);
+      mesh.lengths = std::move(halved.lengths);
+    }
+  }
+  return mesh;
 }
 
 }  // namespace moduli

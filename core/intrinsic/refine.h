@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "core/base/context.h"
@@ -34,5 +35,14 @@ struct RefineOptions {
 Result<RefinedSurface> refineDelaunay(Context& context, const Connectivity& surface,
                                       const std::vector<double>& lengths,
                                       const RefineOptions& options);
+
+/// The same polyhedral surface in space with short edges: as above, but in its own faces, without
+/// flips.
+struct RefinedMesh {
+  Connectivity surface;
+  std::vector<double> lengths;             ///< Per edge, proper triangles.
+  std::vector<Eigen::Vector3d> positions;  ///< Per vertex.
+};
+Result<RefinedMesh> refineInSpace(Context& context, RefinedMesh mesh, const RefineOptions& options);
 
 }  // namespace moduli

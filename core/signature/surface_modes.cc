@@ -14,8 +14,6 @@ namespace {
 
 constexpr double kShift = 4 * std::numbers::pi;
 constexpr double kTolerance = 1e-8;
-/// Edges that the wavelength of the last mode is long at least.
-constexpr double kEdgesPerWave = 8;
 /// Cutting triangulations of needles costs no more than surfaces of this size do.
 constexpr Index kMostAdded = 40000;
 /// Where the taper starts, as a part of the last value.
@@ -105,11 +103,11 @@ Result<SurfaceModes> modesOn(Context& context, const Connectivity& surface,
 }  // namespace
 
 Result<SurfaceModes> surfaceModes(Context& context, const Connectivity& surface,
-                                  const std::vector<double>& lengths) {
+                                  const std::vector<double>& lengths, double edges_per_wave) {
   std::vector<double> areas = faceAreas(surface, lengths);
   const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
   RefineOptions options;
-  options.longest = lastWavelength(total) / kEdgesPerWave;
+  options.longest = lastWavelength(total) / edges_per_wave;
   options.most_added = kMostAdded;
   const Result<RefinedSurface> finer = refineDelaunay(context, surface, lengths, options);
   if (!finer.ok() && finer.status().reason() != Reason::kNoConvergence) return finer.status();

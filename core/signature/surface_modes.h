@@ -13,6 +13,9 @@ namespace moduli {
 /// Pairs that descriptors use, the constant one left out.
 inline constexpr Eigen::Index kModeCount = 50;
 
+/// Edges of the finer triangulation that the wavelength of the last mode is long at least.
+inline constexpr double kEdgesPerWave = 8;
+
 /// Eigenpairs of a surface scaled to area 1; a boundary is free (Neumann's condition).
 struct SurfaceModes {
   Eigen::VectorXd values;       ///< kModeCount, ascending, positive; tend to 4 pi k (Weyl).
@@ -22,10 +25,10 @@ struct SurfaceModes {
 };
 
 /// They belong to the polyhedral surface and not to its triangulation: functions are linear on an
-/// intrinsic Delaunay triangulation none of whose edges is longer than an eighth of the wavelength
-/// of the last mode by Weyl's law, and nearly all of what a coarse mesh of the surface would do to
-/// them is gone. The given vertices come first, those of this triangulation after them. Where
-/// rounding keeps flips from ending, the given triangulation stands.
+/// intrinsic Delaunay triangulation none of whose edges is longer than the wavelength of the last
+/// mode by Weyl's law over edges_per_wave, and nearly all of what a coarse mesh of the surface
+/// would do to them is gone. The given vertices come first, those of this triangulation after them.
+/// Where rounding keeps flips from ending, the given triangulation stands.
 ///
 /// Masses are lumped, whose values are too small: on equilateral faces
 /// with sides h by the part mu h^2 / 16, which is what a mass matrix halfway to the consistent one
@@ -39,7 +42,8 @@ struct SurfaceModes {
 /// last one and functions 0. Fails as smallestEigenpairs does. Stages: "refine" and its. 10 to 18 F
 /// on 20,000 faces.
 Result<SurfaceModes> surfaceModes(Context& context, const Connectivity& surface,
-                                  const std::vector<double>& lengths);
+                                  const std::vector<double>& lengths,
+                                  double edges_per_wave = kEdgesPerWave);
 
 /// 1 for values well below the last one known, falling smoothly to 0 there: with it a sum over
 /// modes does not see where the list ends, not even within a multiplet.
