@@ -191,6 +191,19 @@ double thetaRadius(Index dimension, double t, double least) {
   return high / (kPi * t);
 }
 
+/// exp(pi x) times the sum over k >= 1 of exp(-pi k^2 x), for x > 0; by Poisson summation where
+/// that takes fewer terms.
+double sumOfMultiples(double x) {
+  constexpr int kTerms = 4;  // exp(-24 pi) is 2e-33.
+  double sum = 0;
+  if (x >= 1) {
+    for (int k = kTerms; k > 0; --k) sum += std::exp(-kPi * (k * k - 1) * x);
+    return sum;
+  }
+  for (int k = kTerms; k > 0; --k) sum += std::exp(-kPi * k * k / x);
+  return std::exp(kPi * x) * ((1 + 2 * sum) / std::sqrt(x) - 1) / 2;
+}
+
 /// Theta(t) - 1 = exp(-pi t least) sums(t), which neither overflows nor vanishes.
 struct ScaledSums {
   double least;
@@ -248,6 +261,19 @@ Result<std::vector<double>> thetaFeatures(Context& context, const Eigen::MatrixX
     scaled.sums[i] = scaled.least - std::log(scaled.sums[i]) / (kPi * t[i]);
   }
   return std::move(scaled.sums);
+}
+
+std::vector<double> spectrumThetaFeatures(const std::vector<double>& energies,
+                                          const std::vector<double>& t) {
+  std::vector<double> features;
+  for (const double each : t) {
+    double sum = 0;
+    for (const double energy : energies) {
+      sum += 2 * std::exp(-kPi * each * (energy - energies[0])) * sumOfMultiples(each * energy);
+    }
+    features.push_back(energies[0] - std::log(sum) / (kPi * each));
+  }
+  return features;
 }
 
 }  // namespace moduli

@@ -50,4 +50,15 @@ Result<std::vector<double>> thetaFeatures(Context& context, const Eigen::MatrixX
                                           const std::vector<double>& t,
                                           std::int64_t node_limit = kLatticeNodes);
 
+/// The same of the classes on the lines through the primitive ones whose energies are given:
+/// Theta(t) - 1 = 2 sum over energies E and k >= 1 of exp(-pi t k^2 E). energies, t: > 0, finite;
+/// energies ascending, one at least.
+///
+/// With all primitive energies up to some radius this is thetaFeatures up to what lies beyond; with
+/// the n smallest ones it is continuous in the form whatever n is, for so is the i-th smallest
+/// energy for every i, while a cut at a radius would jump where energies pass it. No more than some
+/// ten terms an energy, however small it is. Relative error of the sum 1e-15.
+std::vector<double> spectrumThetaFeatures(const std::vector<double>& energies,
+                                          const std::vector<double>& t);
+
 }  // namespace moduli

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -14,10 +15,13 @@
 namespace moduli {
 namespace {
 
-constexpr Eigen::Index kBlock = 20;
+/// Narrow ones need fewer vectors in all, wide ones find larger multiplets.
+constexpr Eigen::Index kBlock = 16;
 constexpr Eigen::Index kDenseSize = 400;
-/// Blocks beyond twice the wanted number of pairs. Real surfaces need three to six.
-constexpr Eigen::Index kSpareBlocks = 30;
+/// Blocks beyond twice the wanted number of pairs. Real surfaces need a dozen.
+constexpr Eigen::Index kSpareBlocks = 50;
+/// Digits that a block adds to the worst pair when it adds most.
+constexpr double kDigitsPerBlock = 1;
 /// The measured residuals may exceed the estimated ones by rounding.
 constexpr double kSlack = 10;
 
@@ -65,6 +69,13 @@ class ShiftedInverse {
     return x;
   }
 
+  /// For the iteration, whose result is measured in the end.
+  Result<Eigen::MatrixXd> applyUnjudged(const Eigen::MatrixXd& y) const {
+    ASSIGN_OR_RETURN(Eigen::MatrixXd x, solver_.solveUnjudged(context_, root_.asDiagonal() * y));
+    x = root_.asDiagonal() * x;
+    return x;
+  }
+
  private:
   Context& context_;
   const SpdSolver& solver_;
@@ -82,13 +93,16 @@ class BlockLanczos {
     const Eigen::Index most =
         std::min(n / kBlock, 2 * options_.count / kBlock + kSpareBlocks) * kBlock;
     RETURN_IF_ERROR(start());
+    Eigen::Index next_look = 3 * options_.count;
     for (Eigen::Index size = kBlock;; size += kBlock) {
       RETURN_IF_ERROR(extend());
       const bool last = size + kBlock > most;
-      if (last || size >= 3 * options_.count) {
+      if (last || size >= next_look) {
         const Context::Stage stage(context_, "eigen");
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(projected_);
-        if (converged(ritz)) return collect(ritz);
+        const double excess = worstResidual(ritz) / options_.tolerance;
+        if (excess <= 1) return collect(ritz);
+        next_look = size + blocksToGo(excess) * kBlock;
       }
       if (last) break;
     }
@@ -100,19 +114,19 @@ class BlockLanczos {
   Columns basis() const { return basis_.leftCols(projected_.rows()); }
 
   Status start() {
-    basis_.resize(operator_.size(), 2 * options_.count + 4 * kBlock);
+    basis_.resize(operator_.size(), std::min(operator_.size(), 6 * options_.count));
     Eigen::MatrixXd random(operator_.size(), kBlock);
     for (Eigen::Index i = 0; i < random.size(); ++i) {
       random.data()[i] = noise(static_cast<std::uint64_t>(i));
     }
     // One application damps what is far above the wanted values.
-    ASSIGN_OR_RETURN(next_, operator_.apply(random));
+    ASSIGN_OR_RETURN(next_, operator_.applyUnjudged(random));
     return orthonormalize(next_).status();
   }
 
   /// Takes in the next block q and finds the one after it: C q less its part in the space.
   Status extend() {
-    ASSIGN_OR_RETURN(Eigen::MatrixXd image, operator_.apply(next_));
+    ASSIGN_OR_RETURN(Eigen::MatrixXd image, operator_.applyUnjudged(next_));
     const Context::Stage stage(context_, "eigen");
     RETURN_IF_ERROR(context_.check());
     const Eigen::Index before = projected_.rows();
@@ -142,15 +156,25 @@ class BlockLanczos {
   }
 
   /// The residual of a Ritz vector is the coupling times its part in the last block.
-  bool converged(const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& ritz) const {
+  double worstResidual(const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& ritz) const {
     const Eigen::Index size = projected_.rows();
-    if (size < options_.count) return false;
-    for (Eigen::Index k = 0; k < options_.count; ++k) {
+    double worst = size < options_.count ? std::numeric_limits<double>::infinity() : 0;
+    for (Eigen::Index k = 0; k < std::min(size, options_.count); ++k) {
       const Eigen::Index column = size - 1 - k;
       const double residual = (coupling_ * ritz.eigenvectors().col(column).tail(kBlock)).norm();
-      if (!(residual <= options_.tolerance * ritz.eigenvalues()[column])) return false;
+      const double relative = residual / ritz.eigenvalues()[column];
+      // Not a number is worse than all.
+      worst = std::isfinite(relative) ? std::max(worst, relative)
+                                      : std::numeric_limits<double>::infinity();
     }
-    return true;
+    return worst;
+  }
+
+  /// How many there are at least, as looking costs as much as a block.
+  static Eigen::Index blocksToGo(double excess) {
+    if (!std::isfinite(excess)) return 1;
+    return std::max<Eigen::Index>(1,
+                                  static_cast<Eigen::Index>(std::log10(excess) / kDigitsPerBlock));
   }
 
   EigenPairs collect(const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& ritz) {

@@ -28,12 +28,12 @@ struct EigenPairs {
 };
 
 /// The smallest eigenpairs of a symmetric positive semidefinite matrix against a positive diagonal
-/// one, with multiplicities of up to 20.
+/// one, with multiplicities of up to 16.
 ///
 ///   ASSIGN_OR_RETURN(const EigenPairs modes,
 ///                    smallestEigenpairs(context, stiffness, mass, {.count = 60}));
 ///
-/// Block Lanczos with blocks of 20 on the shifted inverse A, each block made orthogonal to all
+/// Block Lanczos with blocks of 16 on the shifted inverse A, each block made orthogonal to all
 /// before it: a block costs hardly more to solve for than a few single vectors, and multiplets are
 /// found whole, which a single start vector does not see. Matrices of up to 400 rows are solved
 /// densely.
@@ -42,7 +42,7 @@ struct EigenPairs {
 /// another order of the rows gives the same values within the tolerance, and the same vectors up to
 /// rotations among equal values. Fails with kInvalidOption (sizes, count, shift), kNoConvergence,
 /// as SpdSolver does, with kCancelled and kDeadlineExceeded. Stages: "analyse", "factorize",
-/// "solve", "eigen". One factorization, some 200 back-substitutions for 60 pairs; memory of n *
+/// "solve", "eigen". One factorization, some 300 back-substitutions for 50 pairs; memory of n *
 /// dimension doubles.
 Result<EigenPairs> smallestEigenpairs(Context& context, const SparseMatrix& stiffness,
                                       const Eigen::VectorXd& mass, const EigenOptions& options);

@@ -151,17 +151,28 @@ Status SpdSolver::reanalyze(Context& context, const SparseMatrix& matrix) {
   return factor_->factorize(context);
 }
 
+Status SpdSolver::checkSide(const Eigen::MatrixXd& b) const {
+  if (!factor_->ready) {
+    return {Reason::kInvalidOption, "the last factorization failed: there is none to use"};
+  }
+  if (b.rows() == factor_->matrix.rows()) return {};
+  return {Reason::kInvalidOption, "the right-hand side has " + std::to_string(b.rows()) +
+                                      " rows, the matrix " +
+                                      std::to_string(factor_->matrix.rows())};
+}
+
+Result<Eigen::MatrixXd> SpdSolver::solveUnjudged(Context& context, const Eigen::MatrixXd& b) const {
+  const Context::Stage stage(context, "solve");
+  RETURN_IF_ERROR(checkSide(b));
+  RETURN_IF_ERROR(context.check());
+  if (b.size() == 0) return b;
+  return factor_->backend->solve(b);
+}
+
 Result<Eigen::MatrixXd> SpdSolver::solve(Context& context, const Eigen::MatrixXd& b) const {
   const Context::Stage stage(context, "solve");
   Factor& factor = *factor_;
-  if (!factor.ready) {
-    return Status{Reason::kInvalidOption, "the last factorization failed: there is none to use"};
-  }
-  if (b.rows() != factor.matrix.rows()) {
-    return Status{Reason::kInvalidOption, "the right-hand side has " + std::to_string(b.rows()) +
-                                              " rows, the matrix " +
-                                              std::to_string(factor.matrix.rows())};
-  }
+  RETURN_IF_ERROR(checkSide(b));
   RETURN_IF_ERROR(context.check());
   if (b.size() == 0) return b;
   const auto whole = factor.matrix.selfadjointView<Eigen::Lower>();

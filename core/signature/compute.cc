@@ -16,6 +16,7 @@
 #include "core/ricci/uniformize.h"
 #include "core/signature/canonical_circles.h"
 #include "core/signature/conformal_block.h"
+#include "core/signature/conformal_vector.h"
 #include "core/signature/descriptor.h"
 #include "core/signature/hyperbolic_invariants.h"
 #include "core/signature/mean_curvature.h"
@@ -207,6 +208,7 @@ class SignatureBuilder {
     signature_.conformal->generators = found->generators;
     signature_.conformal->length_spectrum = found->lengths;
     signature_.conformal->fenchel_nielsen = found->pants;
+    first_lengths_ = found->first_lengths;
     signature_.certificate.relation_residual = found->relation_residual;
     if (!found->geodesics.ok()) {
       warnings.push_back("GEODESICS_OMITTED: " + found->geodesics.message());
@@ -460,7 +462,8 @@ class SignatureBuilder {
 
   void fillConformalVector() {
     if (!signature_.conformal) return;
-    signature_.vectors.conformal = narrowed(conformalCoordinates(*signature_.conformal));
+    signature_.vectors.conformal =
+        narrowed(conformalVector(*signature_.conformal, signature_.topology, first_lengths_));
   }
 
   Context& context_;
@@ -470,6 +473,7 @@ class SignatureBuilder {
   const SignatureOptions& options_;
   std::vector<double> lengths_;  ///< Per edge, in units of 2^exponent_ model units.
   int exponent_ = 0;
+  std::vector<double> first_lengths_;  ///< Of closed geodesics, for the vector.
   MetricBlock metric_;
   ShapeBlock shape_;
   Signature signature_;

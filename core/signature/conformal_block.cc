@@ -7,7 +7,6 @@
 #include "core/base/text.h"
 #include "core/forms/bordered_period.h"
 #include "core/forms/energy_lattice.h"
-#include "core/forms/modular.h"
 #include "core/forms/period_matrix.h"
 
 namespace moduli {
@@ -114,29 +113,6 @@ Result<CertifiedConformalBlock> computeConformalBlock(Context& context, const Co
     addPeriodMatrix(bordered.periods, block);
   }
   return describe(context, std::move(block), bordered.periods);
-}
-
-std::vector<double> conformalCoordinates(const ConformalBlock& block) {
-  std::vector<double> result;
-  switch (block.type) {
-    case ConformalType::kSphere:
-    case ConformalType::kDisk:
-      return {0.0};  // An index needs a coordinate all the same.
-    case ConformalType::kAnnulus:
-      if (block.modulus) result.push_back(std::log(*block.modulus) / 2);
-      break;
-    case ConformalType::kTorus:
-      if (block.tau) {
-        const auto features = modularFeatures(*block.tau);
-        result.assign(features.begin(), features.end());
-      }
-      break;
-    case ConformalType::kCircleDomain:
-    case ConformalType::kHyperbolic:
-    case ConformalType::kBordered:
-      for (const double energy : block.energy_spectrum) result.push_back(std::log(energy) / 2);
-  }
-  return result;
 }
 
 }  // namespace moduli

@@ -42,11 +42,4 @@ Result<std::optional<std::string>> addEnergySpectrum(Context& context,
                                                      const Eigen::MatrixXd& energy, double spread,
                                                      ConformalBlock& block);
 
-/// The numbers that an index stores for a block; one length for each type. Spheres and disks, which
-/// are one class each: 0. Annuli: log(modulus) / 2. Tori: modularFeatures. Others: log(energy) / 2
-/// of their spectrum, whose largest difference is at most the Teichmüller distance of two surfaces
-/// of one topology, for a map of dilatation K changes the energy of a class by a factor between 1/K
-/// and K. Empty where the block has no such number.
-std::vector<double> conformalCoordinates(const ConformalBlock& block);
-
 }  // namespace moduli

@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "core/forms/cotan.h"
+#include "core/intrinsic/refine.h"
 #include "core/linalg/spd_solver.h"
 #include "core/signature/edge_bending.h"
 
@@ -17,6 +19,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kRingWidth = 0.5;
+/// Cutting needles costs no more than meshes of this size do.
+constexpr Index kMostAdded = 40000;
 
 using Positions = std::vector<Eigen::Vector3d>;
 
@@ -65,12 +69,23 @@ std::array<double, 2> acrossNormal(const Eigen::Matrix<double, 1, 10>& row) {
 }
 
 /// From the first vertex, in units of the radius.
-Eigen::MatrixXd scaledPositions(const TriangleMesh& mesh, double radius) {
-  Eigen::MatrixXd scaled(mesh.vertexCount(), 3);
-  for (Index v = 0; v < mesh.vertexCount(); ++v) {
-    scaled.row(v) = (mesh.positions()[v] - mesh.positions()[0]).transpose() / radius;
+Eigen::MatrixXd scaledPositions(const Positions& positions, double radius) {
+  Eigen::MatrixXd scaled(positions.size(), 3);
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    scaled.row(static_cast<Eigen::Index>(v)) = (positions[v] - positions[0]).transpose() / radius;
   }
   return scaled;
+}
+
+/// With edges no longer than the least length over which the flow smooths.
+Result<RefinedMesh> refineForFlow(Context& context, const TriangleMesh& mesh,
+                                  const std::vector<double>& lengths) {
+  const std::vector<double> areas = faceAreas(mesh.connectivity(), lengths);
+  const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
+  RefineOptions options;
+  options.longest = std::sqrt(2 * kSmoothingTimes.front() * area);
+  options.most_added = kMostAdded;
+  return refineInSpace(context, {mesh.connectivity(), lengths, mesh.positions()}, options);
 }
 
 /// solver: of M + t L; mass: the diagonal of M.
@@ -103,13 +118,14 @@ Result<std::vector<SmoothedCurvatures>> smoothedCurvatures(Context& context,
                                                            const TriangleMesh& mesh,
                                                            const std::vector<double>& lengths,
                                                            double radius) {
-  const Connectivity& surface = mesh.connectivity();
-  const std::vector<double> areas = vertexAreas(surface, lengths);
+  ASSIGN_OR_RETURN(const RefinedMesh fine, refineForFlow(context, mesh, lengths));
+  const Connectivity& surface = fine.surface;
+  const std::vector<double> areas = vertexAreas(surface, fine.lengths);
   Eigen::VectorXd mass =
       Eigen::Map<const Eigen::VectorXd>(areas.data(), static_cast<Eigen::Index>(areas.size()));
   mass /= mass.sum();
-  const Eigen::MatrixXd positions = scaledPositions(mesh, radius);
-  const SparseMatrix stiffness = stiffnessMatrix(surface, cotanWeights(surface, lengths));
+  const Eigen::MatrixXd positions = scaledPositions(fine.positions, radius);
+  const SparseMatrix stiffness = stiffnessMatrix(surface, cotanWeights(surface, fine.lengths));
   std::vector<SmoothedCurvatures> result;
   std::optional<SpdSolver> solver;
   for (const double time : kSmoothingTimes) {

@@ -62,11 +62,11 @@ std::vector<DescriptorPart> kernelParts(const SurfaceModes& modes, int first_tim
 }  // namespace
 
 const std::array<PartScale, kPartCount> kPartScales = {
-    {{"spectrum"sv, 1.93}, {"heat-0"sv, 0.427}, {"heat-1"sv, 0.482}, {"heat-2"sv, 0.601},
-     {"heat-3"sv, 0.764},  {"heat-4"sv, 0.937}, {"heat-5"sv, 0.998}, {"heat-6"sv, 0.815},
-     {"heat-7"sv, 0.45},   {"wave-0"sv, 1.43},  {"wave-1"sv, 1.16},  {"wave-2"sv, 0.876},
-     {"wave-3"sv, 0.662},  {"wave-4"sv, 0.587}, {"wave-5"sv, 0.587}, {"wave-6"sv, 0.54},
-     {"wave-7"sv, 0.525},  {"bend-0"sv, 0.766}, {"bend-1"sv, 0.788}, {"surface"sv, 0.377},
+    {{"spectrum"sv, 1.93}, {"heat-0"sv, 0.421}, {"heat-1"sv, 0.48},  {"heat-2"sv, 0.603},
+     {"heat-3"sv, 0.767},  {"heat-4"sv, 0.94},  {"heat-5"sv, 1},     {"heat-6"sv, 0.82},
+     {"heat-7"sv, 0.453},  {"wave-0"sv, 1.43},  {"wave-1"sv, 1.16},  {"wave-2"sv, 0.873},
+     {"wave-3"sv, 0.66},   {"wave-4"sv, 0.592}, {"wave-5"sv, 0.586}, {"wave-6"sv, 0.534},
+     {"wave-7"sv, 0.515},  {"bend-0"sv, 0.769}, {"bend-1"sv, 0.792}, {"surface"sv, 0.377},
      {"solid"sv, 0.663}}};
 
 std::vector<DescriptorPart> metricParts(const SurfaceModes& modes) {

@@ -1,11 +1,10 @@
 #include "core/signature/distance.h"
 
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "core/forms/modular.h"
-#include "core/signature/conformal_block.h"
+#include "core/signature/conformal_bounds.h"
 
 namespace moduli {
 namespace {
@@ -15,19 +14,32 @@ bool sameTopology(const Signature& a, const Signature& b) {
          a.topology.boundary_loops == b.topology.boundary_loops;
 }
 
+std::optional<double> torusDistance(const ConformalBlock& a, const ConformalBlock& b) {
+  if (!a.tau || !b.tau) return std::nullopt;
+  return *a.tau == *b.tau ? 0.0 : teichmullerDistance(*a.tau, *b.tau);
+}
+
+std::optional<double> annulusDistance(const ConformalBlock& a, const ConformalBlock& b) {
+  if (!a.modulus || !b.modulus) return std::nullopt;
+  return std::abs(std::log(*a.modulus) - std::log(*b.modulus)) / 2;
+}
+
 std::optional<double> conformalDistance(const Signature& a, const Signature& b) {
   if (!a.conformal || !b.conformal || !sameTopology(a, b)) return std::nullopt;
-  if (a.conformal->type == ConformalType::kTorus) {
-    if (!a.conformal->tau || !b.conformal->tau) return std::nullopt;
-    if (*a.conformal->tau == *b.conformal->tau) return 0.0;
-    return teichmullerDistance(*a.conformal->tau, *b.conformal->tau);
+  switch (a.conformal->type) {
+    case ConformalType::kSphere:
+    case ConformalType::kDisk:
+      return 0.0;
+    case ConformalType::kTorus:
+      return torusDistance(*a.conformal, *b.conformal);
+    case ConformalType::kAnnulus:
+      return annulusDistance(*a.conformal, *b.conformal);
+    case ConformalType::kCircleDomain:
+    case ConformalType::kHyperbolic:
+    case ConformalType::kBordered:
+      break;
   }
-  const std::vector<double> x = conformalCoordinates(*a.conformal);
-  const std::vector<double> y = conformalCoordinates(*b.conformal);
-  if (x.empty() || x.size() != y.size()) return std::nullopt;
-  double largest = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) largest = std::max(largest, std::abs(x[i] - y[i]));
-  return largest;
+  return conformalBounds(a, b).largest();
 }
 
 /// Of the vectors, in double precision: what is indexed is what counts.

@@ -8,9 +8,11 @@ namespace moduli {
 
 /// Distances of two signatures; a space where none is defined is empty.
 struct SignatureDistances {
-  /// Spheres, disks: 0. Tori, annuli: the Teichmüller distance. Other types: the lower bound of it
-  /// that the energy spectra give, the largest |log(energy_1 / energy_2)| / 2, up to their errors.
-  /// Different types, genera or numbers of boundary loops: empty.
+  /// Spheres, disks: 0. Tori, annuli: the Teichmüller distance. Other types: the largest one of its
+  /// lower bounds by energies, closed geodesics and boundary geodesics (conformalBounds) that both
+  /// signatures know, up to their errors; it is 0 for mirror images, and where one of three
+  /// surfaces knows less than the others, the triangle inequality may fail. Different types, genera
+  /// or numbers of boundary loops, and nothing that both know: empty.
   std::optional<double> conformal;
   /// Euclidean distances of the vectors, for any two surfaces whatever their topologies.
   std::optional<double> metric;

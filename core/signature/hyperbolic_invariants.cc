@@ -16,13 +16,20 @@ bool stops(const Status& status) {
   return status.reason() == Reason::kCancelled || status.reason() == Reason::kDeadlineExceeded;
 }
 
+double reachOf(double systole) {
+  return kSpectrumReach * systole;
+}
+
 /// What the polygon tells beside the generators. Pants may take too long to find, and are left out
 /// then.
 Status addGeodesics(Context& context, const FuchsianGroup& group, std::optional<double> length,
                     HyperbolicInvariants& result) {
   ASSIGN_OR_RETURN(const OrbitPolygon polygon, orbitPolygon(context, group));
-  ASSIGN_OR_RETURN(const LengthSpectrum spectrum, length ? lengthSpectrum(context, polygon, *length)
-                                                         : shortGeodesics(context, polygon));
+  const Result<LengthSpectrum> first = shortGeodesics(context, polygon, kLeastReach);
+  if (stops(first.status())) return first.status();
+  if (first.ok()) result.first_lengths = firstLengths(*first);
+  ASSIGN_OR_RETURN(const LengthSpectrum spectrum,
+                   length ? lengthSpectrum(context, polygon, *length) : first);
   for (const ClosedGeodesic& geodesic : spectrum.geodesics) {
     result.lengths.push_back(geodesic.length);
   }
@@ -36,13 +43,24 @@ Status addGeodesics(Context& context, const FuchsianGroup& group, std::optional<
 
 }  // namespace
 
-Result<LengthSpectrum> shortGeodesics(Context& context, const OrbitPolygon& polygon) {
+Result<LengthSpectrum> shortGeodesics(Context& context, const OrbitPolygon& polygon,
+                                      double least_reach) {
   SpectrumOptions options;
   options.most_elements = kSignatureElements;
   ASSIGN_OR_RETURN(LengthSpectrum shortest, systoles(context, polygon, options));
-  const double reach = kSpectrumReach * shortest.geodesics.front().length;
+  const double reach = std::max(least_reach, reachOf(shortest.geodesics.front().length));
   ASSIGN_OR_RETURN(LengthSpectrum spectrum, lengthSpectrum(context, polygon, reach, options));
   return spectrum.complete_to < shortest.complete_to ? std::move(shortest) : std::move(spectrum);
+}
+
+std::vector<double> firstLengths(const LengthSpectrum& spectrum) {
+  const double cut = std::min(spectrum.complete_to,
+                              std::max(kLeastReach, reachOf(spectrum.geodesics.front().length)));
+  std::vector<double> lengths(kFirstLengths, cut);
+  for (std::size_t i = 0; i < std::min(kFirstLengths, spectrum.geodesics.size()); ++i) {
+    lengths[i] = std::min(cut, spectrum.geodesics[i].length);
+  }
+  return lengths;
 }
 
 Result<HyperbolicInvariants> hyperbolicInvariants(Context& context, const DiscreteMetric& metric,

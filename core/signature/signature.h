@@ -15,7 +15,7 @@
 namespace moduli {
 
 /// Raised whenever the same mesh would get other numbers than before.
-inline constexpr int kDescriptorVersion = 4;
+inline constexpr int kDescriptorVersion = 5;
 
 enum class ConformalType : std::uint8_t {
   kSphere,

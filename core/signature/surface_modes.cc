@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/forms/cotan.h"
+#include "core/intrinsic/refine.h"
 #include "core/linalg/generalized_eigen.h"
 
 namespace moduli {
@@ -13,6 +14,8 @@ namespace {
 
 constexpr double kShift = 4 * std::numbers::pi;
 constexpr double kTolerance = 1e-8;
+/// Cutting triangulations of needles costs no more than surfaces of this size do.
+constexpr Index kMostAdded = 40000;
 /// Where the taper starts, as a part of the last value.
 constexpr double kTaperStart = 0.75;
 /// Of log value.
@@ -56,13 +59,15 @@ Eigen::VectorXd averageNearby(const Eigen::VectorXd& losses, const Eigen::Vector
   return means;
 }
 
-}  // namespace
+/// By Weyl's law of the last mode, on a surface of this area.
+double lastWavelength(double area) {
+  return std::sqrt(std::numbers::pi * area / static_cast<double>(kModeCount));
+}
 
-Result<SurfaceModes> surfaceModes(Context& context, const Connectivity& surface,
-                                  const std::vector<double>& lengths) {
-  std::vector<double> face_areas = faceAreas(surface, lengths);
-  const double total = std::accumulate(face_areas.begin(), face_areas.end(), 0.0);
-  for (double& area : face_areas) area /= total;
+/// face_areas: sum 1.
+Result<SurfaceModes> modesOn(Context& context, const Connectivity& surface,
+                             const std::vector<double>& lengths,
+                             const std::vector<double>& face_areas) {
   SurfaceModes modes;
   const auto n = static_cast<Eigen::Index>(surface.vertexCount());
   modes.areas.assign(surface.vertexCount(), 0.0);
@@ -93,6 +98,24 @@ Result<SurfaceModes> surfaceModes(Context& context, const Connectivity& surface,
     modes.values[k] = last;
   }
   return modes;
+}
+
+}  // namespace
+
+Result<SurfaceModes> surfaceModes(Context& context, const Connectivity& surface,
+                                  const std::vector<double>& lengths, double edges_per_wave) {
+  std::vector<double> areas = faceAreas(surface, lengths);
+  const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
+  RefineOptions options;
+  options.longest = lastWavelength(total) / edges_per_wave;
+  options.most_added = kMostAdded;
+  const Result<RefinedSurface> finer = refineDelaunay(context, surface, lengths, options);
+  if (!finer.ok() && finer.status().reason() != Reason::kNoConvergence) return finer.status();
+  const Connectivity& used = finer.ok() ? finer->surface : surface;
+  const std::vector<double>& used_lengths = finer.ok() ? finer->lengths : lengths;
+  if (finer.ok()) areas = faceAreas(used, used_lengths);
+  for (double& area : areas) area /= total;
+  return modesOn(context, used, used_lengths, areas);
 }
 
 double modeTaper(double value, double last) {

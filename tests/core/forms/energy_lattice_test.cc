@@ -347,6 +347,46 @@ TEST(Theta, FeaturesKeepTheirDigits) {
              1e-14);
 }
 
+TEST(Theta, OfTheSpectrumIsThatOfAllUpToWhatIsLeftOut) {
+  Context context;
+  const std::vector<double> t = {1, 2, 4};
+  std::mt19937 random(6);
+  std::vector<MatrixXd> energies = {bolza(), lawson(), threeSquares(), randomEnergy(random, 2)};
+  for (const MatrixXd& energy : energies) {
+    const auto known = shortestEnergies(context, energy, 200);
+    const auto more = shortestEnergies(context, energy, 2000);
+    const auto whole = thetaFeatures(context, energy, t);
+    ASSERT_TRUE(known.ok() && more.ok() && whole.ok());
+    const auto features = spectrumThetaFeatures(*known, t);
+    const auto nearly = spectrumThetaFeatures(*more, t);
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      // The sum lacks terms, which makes its -log larger; the ten times longer list lacks few.
+      const double above = std::exp(-kPi * t[i] * (*whole)[i]);
+      double left_out = 0;
+      for (std::size_t n = known->size(); n < more->size(); ++n) {
+        for (int k = 1; k < 4; ++k) left_out += 2 * std::exp(-kPi * t[i] * k * k * (*more)[n]);
+      }
+      EXPECT_GE(features[i], (*whole)[i] - 1e-14);
+      EXPECT_NEAR(nearly[i], (*whole)[i], 1e-9);
+      EXPECT_NEAR(std::exp(-kPi * t[i] * features[i]) + left_out, above, 1e-9 * above);
+    }
+  }
+}
+
+TEST(Theta, OfTheSpectrumCountsMultiplesOfTheSmallestEnergies) {
+  // 2 sum over k of exp(-pi t k^2 E), term by term; both ways of summing meet at t E = 1.
+  for (const double energy : {1e-4, 1e-2, 0.999999, 1.0, 1.000001, 3.0}) {
+    const double t = 1;
+    double sum = 0;
+    for (int k = 2000; k > 0; --k) sum += 2 * std::exp(-kPi * t * k * k * energy);
+    EXPECT_NEAR(spectrumThetaFeatures({energy}, {t})[0], -std::log(sum) / kPi, 1e-13);
+  }
+  // Of energies that vanish it goes like the logarithm: 1 / sqrt(t E) - 1.
+  EXPECT_NEAR(spectrumThetaFeatures({1e-20}, {1})[0], -std::log(1e10 - 1) / kPi, 1e-12);
+  // Terms below what a double holds keep their digits.
+  EXPECT_NEAR(spectrumThetaFeatures({300, 301}, {2})[0], 300 - std::log(2) / (2 * kPi), 1e-3);
+}
+
 TEST(EnergyLattice, ThreeCopiesOfE8InDimension24) {
   std::mt19937 random(6);
   const MatrixXd sum = directSum(directSum(e8(), e8()), e8());

@@ -38,6 +38,20 @@ TEST_P(SpdSolverTest, RecoversKnownSolutions) {
   EXPECT_LT(solver->largestResidual(), 1e-15);
 }
 
+TEST_P(SpdSolverTest, SolvesTheSameUnjudged) {
+  const SparseMatrix matrix = gridLaplacian({20, 30, 1}, 0.1);
+  auto solver = make(matrix);
+  ASSERT_OK(solver);
+  const Eigen::MatrixXd b = randomMatrix(matrix.rows(), 3, 8);
+  const auto judged = solver->solve(context_, b), unjudged = solver->solveUnjudged(context_, b);
+  ASSERT_OK(judged);
+  ASSERT_OK(unjudged);
+  // The condition number is 8.1 / 0.1, b is below 1 and the matrix above 0.1.
+  EXPECT_LT((*judged - *unjudged).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_THAT(solver->solveUnjudged(context_, randomMatrix(5, 1, 1)),
+              FailsWith(Reason::kInvalidOption));
+}
+
 TEST_P(SpdSolverTest, RefactorizeSolvesWithTheNewValues) {
   const SparseMatrix matrix = gridLaplacian({20, 30, 1}, 0.1);
   auto solver = make(matrix);

@@ -101,24 +101,6 @@ TEST(Descriptor, DoesNotDependOnHandedness) {
   EXPECT_LT(largestDifference(one.shape, two.shape), 1e-7);
 }
 
-TEST(Descriptor, OfAFinerTriangulationConverges) {
-  const auto soupOf = [](int resolution, int seed) {
-    return sample("ellipsoid", {{"b", 0.7},
-                                {"c", 0.4},
-                                {"resolution", static_cast<double>(resolution)},
-                                {"seed", static_cast<double>(seed)}});
-  };
-  const Vectors fine = vectorsOf(soupOf(40, 0));
-  const Vectors middle = vectorsOf(soupOf(20, 3)), coarse = vectorsOf(soupOf(10, 5));
-  const Vectors other = vectorsOf(sample("spheroid", {{"c", 0.4}, {"resolution", 20}}));
-  // A quarter and a sixteenth of the faces. Second order; creased triangles of a coarse mesh are
-  // the largest part of it.
-  EXPECT_LT(distance(middle.shape, fine.shape), distance(coarse.shape, fine.shape) / 2);
-  EXPECT_LT(distance(middle.metric, fine.metric), distance(coarse.metric, fine.metric) / 2);
-  EXPECT_LT(distance(middle.shape, fine.shape), 0.15 * distance(other.shape, fine.shape));
-  EXPECT_LT(distance(middle.metric, fine.metric), 0.15 * distance(other.metric, fine.metric));
-}
-
 TEST(Descriptor, OfASmallHoleIsNearThatOfNone) {
   // One face in 1280 missing, against a capsule of another length.
   TriangleSoup soup = sample("capped-cylinder", {{"half_length", 2}, {"resolution", 12}});

@@ -20,9 +20,9 @@ inline std::vector<double> properLengths(const TriangleMesh& mesh) {
   return unitLengths(metric->lengths);
 }
 
-inline SurfaceModes modesOf(const TriangleMesh& mesh) {
+inline SurfaceModes modesOf(const TriangleMesh& mesh, double edges_per_wave = kEdgesPerWave) {
   Context context;
-  auto modes = surfaceModes(context, mesh.connectivity(), properLengths(mesh));
+  auto modes = surfaceModes(context, mesh.connectivity(), properLengths(mesh), edges_per_wave);
   EXPECT_OK(modes);
   return *std::move(modes);
 }

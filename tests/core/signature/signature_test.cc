@@ -115,7 +115,9 @@ TEST_P(SpheroidSignature, ForgetsTheTriangulation) {
   }
   EXPECT_LT(metric[1], 0.01);
   EXPECT_LT(shape[1], 0.02);
-  EXPECT_GT(metric[0] / metric[1], 6);
+  // Coarse meshes are refined before modes and curvatures are found: less than the 16 of a second
+  // order that starts from what they are.
+  EXPECT_GT(metric[0] / metric[1], 3);
   EXPECT_GT(shape[0] / shape[1], 3);
 }
 
