@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "core/signature/conformal_block.h"
+#include "core/signature/conformal_vector.h"
 #include "core/signature/descriptor.h"
 #include "core/signature/distance.h"
 #include "server/rpc/convert.h"
@@ -46,7 +46,7 @@ const std::vector<float>& vectorOf(const SearchVectors& vectors, Space space) {
 std::size_t lengthOf(const Signature& signature, Space space) {
   if (space == Space::kMetric) return kMetricLength;
   if (space == Space::kShape) return kShapeLength;
-  return conformalCoordinates(*signature.conformal).size();
+  return conformalVectorLength(signature.conformal->type);
 }
 
 Status comparable(const Signature& signature, Space space) {
@@ -79,10 +79,8 @@ Result<Signature> readForComparing(const ShapeRecord& record) {
   signature.conformal = std::move(stored.signature.conformal);
   signature.vectors = std::move(stored.signature.vectors);
   signature.descriptor_version = stored.signature.descriptor_version;
-  if (signature.conformal) {
-    signature.conformal->generators = {};
-    signature.conformal->length_spectrum = {};
-  }
+  if (signature.conformal) signature.conformal->generators = {};
+  signature.certificate.spectrum_complete_to = stored.signature.certificate.spectrum_complete_to;
   return signature;
 }
 

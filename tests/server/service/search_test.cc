@@ -4,7 +4,7 @@
 #include <random>
 
 #include "client/cpp/client.h"
-#include "core/signature/conformal_block.h"
+#include "core/signature/conformal_vector.h"
 #include "core/signature/descriptor.h"
 #include "server/rpc/convert.h"
 #include "server/service/stored_shape.h"
@@ -36,7 +36,7 @@ Signature madeUp(int number) {
   ConformalBlock& block = signature.conformal.emplace();
   block.type = ConformalType::kTorus;
   block.tau = {0.01 * (number % 40), 1.5 + number % 11};
-  const std::vector<double> conformal = conformalCoordinates(block);
+  const std::vector<double> conformal = conformalVector(block, signature.topology, {});
   signature.vectors.conformal.assign(conformal.begin(), conformal.end());
   signature.vectors.metric = numbers(number, kMetricLength);
   signature.vectors.shape = numbers(number, kShapeLength);
