@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/parallel.h"
+#include "core/base/side_by_side.h"
 #include "tests/core/testing.h"
 
 namespace moduli {
@@ -58,6 +59,32 @@ TEST(Context, StagesAreTimedAndReported) {
               testing::ElementsAre(testing::Pair("factorize", 0), testing::Pair("factorize", 0.5),
                                    testing::Pair("factorize", 1), testing::Pair("factorize", 0),
                                    testing::Pair("factorize", 1)));
+}
+
+TEST(SideBySide, WorksOnASilentCopyThatStopsWithIt) {
+  Context context;
+  CancelToken token;
+  context.setCancelToken(token);
+  int reports = 0;
+  context.setProgressSink([&](const Progress&) { ++reports; });
+  Status first, second;
+  sideBySide(
+      context,
+      [&](Context& own) {
+        const Context::Stage stage(own, "work");
+        token.cancel();
+        first = own.check();
+      },
+      [&](Context& copy) {
+        const Context::Stage stage(copy, "other work");
+        while (copy.check().ok()) std::this_thread::yield();
+        second = copy.check();
+      });
+  EXPECT_THAT(first, FailsWith(Reason::kCancelled));
+  EXPECT_THAT(second, FailsWith(Reason::kCancelled));
+  EXPECT_EQ(reports, 2);
+  EXPECT_TRUE(context.timing().contains("work"));
+  EXPECT_FALSE(context.timing().contains("other work"));
 }
 
 TEST(ParallelBlocks, CoverEveryElementOnce) {

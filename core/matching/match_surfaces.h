@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/context.h"
+#include "core/matching/map_report.h"
+#include "core/mesh/triangle_mesh.h"
+#include "core/spherical/surface_point.h"
+
+/// Dense correspondences of two surfaces.
+///
+///   ASSIGN_OR_RETURN(const SurfaceMatch match, matchSurfaces(context, a, b));
+///   const SurfacePoint where = match.images[17];  // Vertex 17 of a is there on b.
+namespace moduli {
+
+/// A point of a and the one of b that it corresponds to.
+struct MatchLandmark {
+  SurfacePoint a, b;
+  std::string name = "a landmark";  ///< For messages: "landmarks.txt:3".
+};
+
+struct MatchOptions {
+  /// Matches a to the mirror image of b: the map turns orientation over.
+  bool mirror = false;
+  /// Points that are met exactly.
+  std::vector<MatchLandmark> landmarks = {};
+  /// Whether two meshes that differ by the numbering and the places of their vertices alone
+  /// correspond by their triangulation. Without, only the surfaces count.
+  bool same_triangulation = true;
+  /// As in mapToSphereRobust.
+  bool initial_delaunay = true;
+};
+
+/// What the map was found by.
+enum class MatchMethod : std::uint8_t {
+  kSameTriangulation,  ///< The meshes differ by numbering and places of vertices.
+  kNearIsometry,       ///< By the surfaces' own metrics: bending changes little.
+  kMobius,             ///< By what Möbius maps of space keep: nothing but angles agrees.
+};
+
+/// Another answer that is nearly as good, as symmetric surfaces have them.
+struct MatchAlternative {
+  MatchMethod method = MatchMethod::kNearIsometry;
+  double defect = 0;  ///< As SpectralMatch has it.
+};
+
+struct SurfaceMatch {
+  std::vector<SurfacePoint> images;   ///< Per vertex of a its point of b.
+  std::vector<SurfacePoint> inverse;  ///< Per vertex of b the point of a that goes there.
+  MatchMethod method = MatchMethod::kNearIsometry;
+  MapReport report;  ///< No face is folded.
+  /// How far the map is from one that keeps all lengths but for one scale: the root mean square, by
+  /// area, of the logarithms of both singular values of its faces, less their mean. No unit; 0 for
+  /// similar surfaces.
+  double distance = 0;
+  double cycle_error = 0;                ///< cycleError over the root of the area of a.
+  std::optional<double> defect;          ///< Of the spectral match that the map began with.
+  std::optional<double> landmark_error;  ///< Largest distance left, over the root of b's area.
+  /// The runners-up, best first, whose defects are less than twice that of the best.
+  std::vector<MatchAlternative> alternatives;
+};
+
+/// A map from a onto b that is one to one and folds no face. Surfaces that differ by bending are
+/// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
+/// keeps, whichever agrees better.
+///
+/// a, b: connected, of one topology: closed of genus 0 so far. Fails with kUnsupportedTopology
+/// (naming both topologies), kNoCorrespondence, kFoldedMap, kInvalidOption (a landmark), as
+/// makeSpectralSurface and fitHomeomorphism do. Some seconds at 50,000 vertices.
+/// Source: MATH 9.
+Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
+                                   const MatchOptions& options = {});
+
+}  // namespace moduli

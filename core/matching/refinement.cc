@@ -1,0 +1,114 @@
+#include "core/matching/refinement.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/matching/thinning.h"
+#include "core/spherical/map_quality.h"
+
+namespace moduli {
+namespace {
+
+constexpr int kChances = 10;  ///< How often room is made for a vertex that found no place.
+constexpr int kRepairs = 3;
+
+double excessOf(const Relaxation& map) {
+  return map.excess(map.present());
+}
+
+/// Takes a vertex that found no place out again, and others with it that are stuck near it.
+bool makeRoom(Relaxation& map, const RingMesh::Collapse& undone) {
+  map.mesh().collapse(undone.removed, undone.kept);
+  const Index before = map.mesh().vertexCount();
+  return thinUntilTame(map) && map.mesh().vertexCount() < before;
+}
+
+bool isAllTame(const Relaxation& map) {
+  for (const Index v : map.present()) {
+    const std::vector<Index>& ring = map.mesh().ring(v);
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Index a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
+      if (v < a && v < b && !map.isTame(v, a, b, kWild)) return false;
+    }
+  }
+  return true;
+}
+
+/// Whether it helped.
+bool repairOnce(Relaxation& map, const RefinementOptions& options) {
+  const Index count = map.mesh().vertexCount();
+  Relaxation trial = map;
+  if (!thinUntilTame(trial)) return false;
+  std::vector<Index> restored;
+  while (trial.mesh().vertexCount() < count) {
+    const RingMesh::Collapse undone = trial.mesh().restore();
+    if (!trial.place(undone.removed, undone.kept)) return false;
+    restored.push_back(undone.removed);
+  }
+  for (const Index v : restored) trial.jump(v);
+  trial.relaxNear(restored, options.sweeps, options.tolerance);
+  if (!(excessOf(trial) < excessOf(map))) return false;
+  map = std::move(trial);
+  return true;
+}
+
+}  // namespace
+
+bool coversOnce(const Relaxation& map) {
+  double angle = 0;
+  for (const Index v : map.present()) {
+    const std::vector<Index>& ring = map.mesh().ring(v);
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Index a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
+      if (v > a || v > b) continue;
+      angle +=
+          signedSolidAngle(map.image(v).direction, map.image(a).direction, map.image(b).direction);
+    }
+  }
+  return std::abs(angle / (4 * std::numbers::pi) - 1) < 0.25;
+}
+
+bool thinUntilTame(Relaxation& map) {
+  const FaceRule rule = [&](Index a, Index b, Index c) { return map.isTame(a, b, c, kWild); };
+  return thinUntil(map.mesh(), map.positions(), rule) && coversOnce(map);
+}
+
+Status restoreVertices(Context& context, Relaxation& map, Index wanted,
+                       const RefinementOptions& options) {
+  std::vector<Index> order = map.inSweepOrder();
+  auto next = static_cast<Index>(2 * order.size());
+  int chances = kChances;
+  while (map.mesh().vertexCount() < wanted) {
+    if (order.size() % 4096 == 0) RETURN_IF_ERROR(context.check());
+    const RingMesh::Collapse undone = map.mesh().restore();
+    if (!map.place(undone.removed, undone.kept)) {
+      if (chances-- > 0 && makeRoom(map, undone)) {
+        order = map.inSweepOrder();
+        continue;
+      }
+      return {Reason::kFoldedMap,
+              "vertex " + std::to_string(undone.removed) +
+                  " finds no place that folds no face: the map is thinner there than doubles tell "
+                  "apart"};
+    }
+    order.push_back(undone.removed);
+    if (map.mesh().vertexCount() < next && map.mesh().vertexCount() < wanted) continue;
+    for (const Index v : order) map.jump(v);
+    RETURN_IF_ERROR(map.relaxAll(context, order, options.sweeps, options.tolerance));
+    next *= 2;
+  }
+  return {};
+}
+
+Status repairMap(Context& context, Relaxation& map, const RefinementOptions& options) {
+  for (int round = 0; round < kRepairs && !isAllTame(map); ++round) {
+    RETURN_IF_ERROR(context.check());
+    if (!repairOnce(map, options)) break;
+  }
+  return {};
+}
+
+}  // namespace moduli

@@ -1,0 +1,101 @@
+#include "core/matching/ring_mesh.h"
+
+#include <algorithm>
+#include <string>
+
+namespace moduli {
+namespace {
+
+using Ring = std::vector<Index>;
+
+Ring::iterator placeOf(Ring& ring, Index v) {
+  return std::find(ring.begin(), ring.end(), v);
+}
+
+void rotateToFront(Ring& ring, Index v) {
+  std::rotate(ring.begin(), placeOf(ring, v), ring.end());
+}
+
+Status checkRing(const Ring& ring, Index v) {
+  Ring sorted = ring;
+  std::sort(sorted.begin(), sorted.end());
+  const bool twice = std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
+  if (ring.size() >= 3 && !twice && std::find(ring.begin(), ring.end(), v) == ring.end()) return {};
+  return {Reason::kUnsupportedTopology,
+          "vertex " + std::to_string(v) +
+              " has fewer than three neighbours, or is joined to one by two edges"};
+}
+
+}  // namespace
+
+Result<RingMesh> RingMesh::make(const Connectivity& surface) {
+  RingMesh mesh;
+  mesh.count_ = surface.vertexCount();
+  mesh.present_.assign(mesh.count_, 1);
+  mesh.rings_.resize(mesh.count_);
+  for (Index v = 0; v < mesh.count_; ++v) {
+    if (surface.isBoundaryVertex(v)) {
+      return Status(Reason::kUnsupportedTopology, "rings need a closed surface");
+    }
+    Index h = surface.outgoing(v);
+    do {
+      mesh.rings_[v].push_back(surface.head(h));
+      h = surface.rotate(h);
+    } while (h != surface.outgoing(v));
+    RETURN_IF_ERROR(checkRing(mesh.rings_[v], v));
+  }
+  return mesh;
+}
+
+bool RingMesh::canCollapse(Index removed, Index kept) const {
+  if (count_ <= 4) return false;
+  int common = 0;
+  for (const Index w : rings_[removed]) {
+    if (std::find(rings_[kept].begin(), rings_[kept].end(), w) == rings_[kept].end()) continue;
+    ++common;
+    if (rings_[w].size() <= 3) return false;
+  }
+  return common == 2;
+}
+
+void RingMesh::collapse(Index removed, Index kept) {
+  Ring& ring = rings_[removed];
+  rotateToFront(ring, kept);
+  // Around `kept` the ring's first and last remain, and between them what lies behind `removed`.
+  Ring& around = rings_[kept];
+  const auto gap = around.erase(placeOf(around, removed));
+  around.insert(gap, ring.begin() + 2, ring.end() - 1);
+  for (std::size_t i = 1; i < ring.size(); ++i) {
+    Ring& other = rings_[ring[i]];
+    if (i == 1 || i + 1 == ring.size()) {
+      other.erase(placeOf(other, removed));
+    } else {
+      *placeOf(other, removed) = kept;
+    }
+  }
+  present_[removed] = 0;
+  --count_;
+  removed_.push_back({removed, kept});
+}
+
+RingMesh::Collapse RingMesh::restore() {
+  const Collapse last = removed_.back();
+  removed_.pop_back();
+  const Ring& ring = rings_[last.removed];  // As collapse() left it: `kept` first.
+  Ring& around = rings_[last.kept];
+  rotateToFront(around, ring[1]);
+  around.erase(around.begin() + 1, around.begin() + static_cast<std::ptrdiff_t>(ring.size()) - 2);
+  around.insert(around.begin() + 1, last.removed);
+  for (std::size_t i = 2; i + 1 < ring.size(); ++i) {
+    *placeOf(rings_[ring[i]], last.kept) = last.removed;
+  }
+  Ring& first = rings_[ring[1]];
+  first.insert(placeOf(first, last.kept), last.removed);
+  Ring& final = rings_[ring.back()];
+  final.insert(placeOf(final, last.kept) + 1, last.removed);
+  present_[last.removed] = 1;
+  ++count_;
+  return last;
+}
+
+}  // namespace moduli

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/base/context.h"
+#include "core/matching/functional_map.h"
+#include "core/matching/spectral_surface.h"
+#include "core/spherical/surface_point.h"
+
+namespace moduli {
+
+struct SpectralMatchOptions {
+  bool mirror = false;         ///< Maps that turn orientation over instead of those that keep it.
+  std::size_t triplets = 100;  ///< Of features, that maps are started from.
+  std::size_t finalists = 8;   ///< Different maps that are refined to the end.
+};
+
+/// A map between surfaces that bending leaves nearly as it was.
+struct SpectralMatch {
+  Eigen::MatrixXd functional;  ///< All modes, see functional_map.h.
+  /// orthogonalityDefect of its first 60 modes: some hundredths for near isometries of a sort that
+  /// limbs turning in their joints are, a third and more for maps that are none.
+  double defect = 0;
+  double orientation = 0;  ///< As OrientationTest has it.
+};
+
+/// Maps from a to b, best first, each far from all better ones; more than one of nearly the same
+/// defect where a surface is nearly symmetric. Empty where no start leads to a map of the wanted
+/// orientation.
+///
+/// Starts: triplets of features whose distances from each other agree within a quarter, those of
+/// the most similar wave kernel signatures first; and the lowest modes with all signs. Each is
+/// refined on the coarse samples to 20 modes from 4, 6, 10 and 14: low modes alone may draw a map
+/// to a mirror image in thin parts. The best different ones on the fine samples to 60, and to all
+/// modes. Fails with kCancelled and kDeadlineExceeded. A second or two whatever the size. Stages:
+/// "align", "refine". Source: MATH 9.5; the refinement is Melzi et al. 2019, both ways at once.
+Result<std::vector<SpectralMatch>> matchSpectra(Context& context, const SpectralSurface& a,
+                                                const SpectralSurface& b,
+                                                const SpectralMatchOptions& options = {});
+
+/// The point of b that each vertex of a goes to: where the surface that b's modes make of it in as
+/// many dimensions is nearest to the image of the vertex' own. From the nearest fine sample
+/// downhill, then the nearest point of the faces around the vertex found. O(V modes (samples +
+/// 20)).
+Result<std::vector<SurfacePoint>> correspondingPoints(Context& context, const SpectralSurface& a,
+                                                      const SpectralSurface& b,
+                                                      const Eigen::MatrixXd& functional);
+
+}  // namespace moduli

@@ -1,0 +1,203 @@
+#include "core/matching/match_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/mesh/read.h"
+#include "core/spherical/sphere_locator.h"
+#include "tests/bench/retrieval/deform.h"
+#include "tests/bench/retrieval/remesh.h"
+#include "tests/core/matching/lumps.h"
+#include "tests/core/matching/renumbered.h"
+#include "tests/core/testing.h"
+
+namespace moduli {
+namespace {
+
+using Eigen::Vector3d;
+
+TriangleMesh meshOf(const TriangleSoup& soup) {
+  return *TriangleMesh::fromSoup(soup);
+}
+
+SurfaceMatch match(const TriangleMesh& a, const TriangleMesh& b, const MatchOptions& options = {}) {
+  Context context;
+  auto found = matchSurfaces(context, a, b, options);
+  EXPECT_OK(found);
+  return found.ok() ? *std::move(found) : SurfaceMatch();
+}
+
+MatchOptions surfacesAlone() {
+  MatchOptions options;
+  options.same_triangulation = false;
+  return options;
+}
+
+// Straight distances of images from where they should be over the root of the area, ascending.
+std::vector<double> errors(const SurfaceMatch& found, const TriangleMesh& b,
+                           const std::vector<Vector3d>& truth) {
+  std::vector<double> result;
+  for (std::size_t v = 0; v < truth.size(); ++v) {
+    const Vector3d place = spacePoint(b.connectivity(), b.positions(), found.images.at(v));
+    result.push_back((place - truth[v]).norm() / std::sqrt(b.area()));
+  }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+std::vector<Vector3d> carried(const Renumbered& other) {
+  std::vector<Vector3d> truth;
+  for (const Index v : other.image) truth.push_back(other.soup.vertices[v]);
+  return truth;
+}
+
+TEST(MatchSurfaces, IsTheIdentityOnARenumberedCopy) {
+  const TriangleSoup soup = lump(12, 1);
+  // Irregular, so that the triangulation tells: one vertex less.
+  const TriangleSoup irregular = simplified(soup, soup.faces.size() - 40);
+  const Renumbered other = renumbered(moved(irregular), 4);
+  const TriangleMesh a = meshOf(irregular), b = meshOf(other.soup);
+  const SurfaceMatch found = match(a, b);
+  EXPECT_EQ(found.method, MatchMethod::kSameTriangulation);
+  EXPECT_LE(errors(found, b, carried(other)).back(), 1e-12);
+  EXPECT_LE(found.distance, 1e-7);  // The root of rounding.
+  EXPECT_EQ(found.report.folded_faces, 0);
+  for (Index v = 0; v < a.vertexCount(); ++v) {
+    EXPECT_EQ(a.connectivity().face(found.inverse[other.image[v]].face)[0] == v ||
+                  found.inverse[other.image[v]].barycentric[0] < 1,
+              true);
+  }
+  EXPECT_LE(found.cycle_error, 1e-12);
+}
+
+TEST(MatchSurfaces, NeedsNoCommonTriangulation) {
+  // 0.06 and 0.05 an edge: a fifth of one is what a map made of points can hope for.
+  const TriangleMesh a = meshOf(lump(16, 1)), b = meshOf(moved(lump(19, 2)));
+  const SurfaceMatch found = match(a, b);
+  EXPECT_EQ(found.method, MatchMethod::kNearIsometry);
+  const auto error = errors(found, b, moved(lump(16, 1)).vertices);
+  EXPECT_LE(mean(error), 0.01);
+  EXPECT_LE(error.back(), 0.06);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  EXPECT_LE(found.distance, 0.05);
+  // There and back: two maps that are linear on faces which are not each other's.
+  EXPECT_LE(found.cycle_error, 0.005);
+}
+
+TEST(MatchSurfaces, DoesNotDependOnNumbersPlaceAndSize) {
+  const TriangleSoup soup = lump(12, 1);
+  const Renumbered first = renumbered(soup, 8), second = renumbered(moved(lump(13, 2)), 9);
+  const TriangleMesh a = meshOf(soup), b = meshOf(moved(lump(13, 2)));
+  const TriangleMesh x = meshOf(first.soup), y = meshOf(second.soup);
+  const SurfaceMatch one = match(a, b), other = match(x, y);
+  EXPECT_NEAR(one.distance, other.distance, 0.01);
+  double largest = 0;
+  for (Index v = 0; v < a.vertexCount(); ++v) {
+    const Vector3d p = spacePoint(b.connectivity(), b.positions(), one.images[v]);
+    const Vector3d q = spacePoint(y.connectivity(), y.positions(), other.images[first.image[v]]);
+    largest = std::max(largest, (p - q).norm() / std::sqrt(b.area()));
+  }
+  // Samples begin with the vertex that comes first among equals; the rest follows. An edge has
+  // 0.07.
+  EXPECT_LE(largest, 0.07);
+}
+
+TEST(MatchSurfaces, TurnsOverForAMirrorImage) {
+  const TriangleMesh a = meshOf(lump(14, 1)), b = meshOf(mirrored(lump(16, 2)));
+  MatchOptions options;
+  options.mirror = true;
+  const SurfaceMatch found = match(a, b, options);
+  const auto error = errors(found, b, mirrored(lump(14, 1)).vertices);
+  EXPECT_LE(mean(error), 0.012);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  EXPECT_LE(found.cycle_error, 0.006);
+}
+
+TEST(MatchSurfaces, MatchesAnInversionOfSpaceConformally) {
+  const TriangleSoup soup = lump(24, 1);
+  SampleRandom random(3);
+  const Renumbered other = renumbered(inverted(soup, 0.5, random), 5);
+  const TriangleMesh a = meshOf(soup), b = meshOf(other.soup);
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  EXPECT_EQ(found.method, MatchMethod::kMobius);
+  EXPECT_LE(mean(errors(found, b, carried(other))), 0.01);
+  EXPECT_LE(found.report.mean_dilatation, 1.1);
+  EXPECT_GT(found.distance, 0.1);  // Sizes change.
+  EXPECT_EQ(found.report.folded_faces, 0);
+}
+
+TEST(MatchSurfaces, MeetsLandmarks) {
+  const TriangleMesh a = meshOf(lump(14, 1)), b = meshOf(lump(16, 2));
+  MatchOptions options;
+  // Some vertex near where it belongs, a few edges off.
+  for (const Index v : {10, 200, 700}) {
+    Index nearest = 0;
+    for (Index w = 0; w < b.vertexCount(); ++w) {
+      if ((b.positions()[w] - a.positions()[v] - Vector3d(0.1, 0, 0)).norm() <
+          (b.positions()[nearest] - a.positions()[v] - Vector3d(0.1, 0, 0)).norm()) {
+        nearest = w;
+      }
+    }
+    options.landmarks.push_back(
+        {vertexPoint(a.connectivity(), v), vertexPoint(b.connectivity(), nearest), "a mark"});
+  }
+  const SurfaceMatch found = match(a, b, options);
+  ASSERT_TRUE(found.landmark_error);
+  EXPECT_LE(*found.landmark_error, 1e-9);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  MatchOptions wrong;
+  wrong.landmarks.push_back({{a.faceCount(), {1, 0, 0}}, {0, {1, 0, 0}}, "marks.txt:1"});
+  Context context;
+  const auto refused = matchSurfaces(context, a, b, wrong);
+  EXPECT_THAT(refused, FailsWith(Reason::kInvalidOption));
+  EXPECT_THAT(refused.status().message(), testing::HasSubstr("marks.txt:1"));
+}
+
+TEST(MatchSurfaces, NamesTopologiesThatDiffer) {
+  const TriangleMesh sphere = meshOf(lump(6, 1));
+  const TriangleMesh torus = meshOf(*makeSample("torus", {{"R", 2}, {"r", 1}, {"resolution", 8}}));
+  const TriangleMesh disk = meshOf(*makeSample("disk", {{"resolution", 6}}));
+  Context context;
+  const auto handle = matchSurfaces(context, sphere, torus);
+  EXPECT_THAT(handle, FailsWith(Reason::kUnsupportedTopology));
+  EXPECT_THAT(handle.status().message(),
+              testing::HasSubstr("genus 0, closed, and genus 1, closed"));
+  const auto hole = matchSurfaces(context, sphere, disk);
+  EXPECT_THAT(hole.status().message(), testing::HasSubstr("genus 0 with 1 boundary loop"));
+  EXPECT_THAT(hole.status().hint(), testing::HasSubstr("--fill-holes"));
+}
+
+TEST(MatchSurfaces, StopsWhenCancelled) {
+  const TriangleMesh a = meshOf(lump(8, 1)), b = meshOf(lump(9, 2));
+  Context context;
+  CancelToken token;
+  token.cancel();
+  context.setCancelToken(token);
+  EXPECT_THAT(matchSurfaces(context, a, b), FailsWith(Reason::kCancelled));
+}
+
+// Limbs turned by 25 to 40 degrees, and half as coarse: what belongs where is known all the same.
+TEST(MatchSurfaces, FollowsTheLimbsOfRealMeshesOnOtherTriangulations) {
+  for (const char* name : {"closed_g0/alec__spot.obj", "closed_g0/alec__homer.obj",
+                           "closed_g0/odedstein__penguin.obj"}) {
+    MODULI_NEED_SHARED_MESH(path, name);
+    Context context;
+    const TriangleSoup soup = *readMeshFile(context, path);
+    SampleRandom random(1);
+    const TriangleSoup posed = articulated(soup, random);
+    const TriangleMesh a = meshOf(soup), b = meshOf(simplified(posed, posed.faces.size() * 7 / 10));
+    const SurfaceMatch found = match(a, b);
+    const auto error = errors(found, b, posed.vertices);
+    EXPECT_LE(mean(error), 0.03) << name;
+    EXPECT_LE(error[error.size() * 9 / 10], 0.1) << name;
+    EXPECT_EQ(found.report.folded_faces, 0) << name;
+  }
+}
+
+}  // namespace
+}  // namespace moduli

@@ -1,0 +1,109 @@
+#include "core/matching/ring_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "tests/core/spherical/surfaces.h"
+
+namespace moduli {
+namespace {
+
+using surfaces::mesh;
+using surfaces::sample;
+
+RingMesh ringsOf(const Connectivity& surface) {
+  auto rings = RingMesh::make(surface);
+  EXPECT_OK(rings);
+  return *std::move(rings);
+}
+
+/// Begins at its lowest number.
+std::vector<Index> normalized(std::vector<Index> ring) {
+  std::rotate(ring.begin(), std::min_element(ring.begin(), ring.end()), ring.end());
+  return ring;
+}
+
+/// Every face is seen from its three corners alike, no edge is doubled, and the surface is still a
+/// sphere: V - E + F = 2.
+void expectSphere(const RingMesh& rings, Index vertices) {
+  std::set<Triangle> faces;
+  std::size_t corners = 0, neighbours = 0, present = 0;
+  for (Index v = 0; v < vertices; ++v) {
+    if (!rings.isPresent(v)) continue;
+    ++present;
+    const std::vector<Index>& ring = rings.ring(v);
+    ASSERT_GE(ring.size(), 3u);
+    EXPECT_EQ(std::set<Index>(ring.begin(), ring.end()).size(), ring.size());
+    neighbours += ring.size();
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      ASSERT_TRUE(rings.isPresent(ring[i]));
+      Triangle face = {v, ring[i], ring[(i + 1) % ring.size()]};
+      std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+      faces.insert(face);
+      ++corners;
+    }
+  }
+  EXPECT_EQ(corners, 3 * faces.size());
+  EXPECT_EQ(present - neighbours / 2 + faces.size(), 2u);
+  EXPECT_EQ(static_cast<Index>(present), rings.vertexCount());
+}
+
+TEST(RingMesh, IsASphereAfterEveryCollapseAndComesBackAsItWas) {
+  const TriangleMesh round = mesh(sample("sphere", {{"resolution", 3}, {"seed", 2}}));
+  RingMesh rings = ringsOf(round.connectivity());
+  const Index count = round.vertexCount();
+  std::vector<std::vector<Index>> before;
+  for (Index v = 0; v < count; ++v) before.push_back(normalized(rings.ring(v)));
+  expectSphere(rings, count);
+
+  std::mt19937 random(4);
+  int collapses = 0;
+  for (int attempt = 0; attempt < 100000 && rings.vertexCount() > 4; ++attempt) {
+    const auto v = static_cast<Index>(random() % count);
+    if (!rings.isPresent(v)) continue;
+    const Index u = rings.ring(v)[random() % rings.ring(v).size()];
+    if (!rings.canCollapse(v, u)) continue;
+    rings.collapse(v, u);
+    ++collapses;
+    expectSphere(rings, count);
+    if (::testing::Test::HasFailure()) return;
+  }
+  EXPECT_EQ(rings.vertexCount(), 4);  // Every sphere comes down to a tetrahedron.
+  for (; collapses > 0; --collapses) {
+    const RingMesh::Collapse undone = rings.restore();
+    EXPECT_TRUE(rings.isPresent(undone.removed));
+    expectSphere(rings, count);
+    if (::testing::Test::HasFailure()) return;
+  }
+  for (Index v = 0; v < count; ++v) EXPECT_EQ(normalized(rings.ring(v)), before[v]);
+}
+
+TEST(RingMesh, ATetrahedronKeepsItsVertices) {
+  const Connectivity surface =
+      *Connectivity::fromFaces(4, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}});
+  const RingMesh rings = ringsOf(surface);
+  EXPECT_FALSE(rings.canCollapse(0, 1));
+}
+
+TEST(RingMesh, RefusesAWaist) {
+  // A double pyramid over a triangle: 0, 1, 2 are joined to each other without a face between them,
+  // so that 0 cannot go into 1.
+  const Connectivity surface = *Connectivity::fromFaces(
+      5, {{3, 0, 1}, {3, 1, 2}, {3, 2, 0}, {4, 1, 0}, {4, 2, 1}, {4, 0, 2}});
+  const RingMesh rings = ringsOf(surface);
+  EXPECT_FALSE(rings.canCollapse(0, 1));
+  EXPECT_TRUE(rings.canCollapse(3, 0));
+}
+
+TEST(RingMesh, NeedsAClosedSurfaceWithoutDoubledEdges) {
+  const TriangleMesh disk = mesh(sample("disk", {{"resolution", 2}}));
+  EXPECT_THAT(RingMesh::make(disk.connectivity()), FailsWith(Reason::kUnsupportedTopology));
+  const Connectivity pillow = *Connectivity::fromFaces(3, {{0, 1, 2}, {0, 2, 1}});
+  EXPECT_THAT(RingMesh::make(pillow), FailsWith(Reason::kUnsupportedTopology));
+}
+
+}  // namespace
+}  // namespace moduli
