@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "core/signature/conformal_block.h"
+#include "core/signature/conformal_vector.h"
 #include "core/signature/descriptor.h"
 #include "core/signature/distance.h"
 #include "server/rpc/convert.h"
@@ -46,7 +46,15 @@ const std::vector<float>& vectorOf(const SearchVectors& vectors, Space space) {
 std::size_t lengthOf(const Signature& signature, Space space) {
   if (space == Space::kMetric) return kMetricLength;
   if (space == Space::kShape) return kShapeLength;
-  return conformalCoordinates(*signature.conformal).size();
+  switch (signature.conformal->type) {
+    case ConformalType::kHyperbolic:
+      return kHyperbolicLength;
+    case ConformalType::kCircleDomain:
+    case ConformalType::kBordered:
+      return kBorderedLength;
+    default:
+      return conformalVector(*signature.conformal, signature.topology, {}).size();
+  }
 }
 
 Status comparable(const Signature& signature, Space space) {
@@ -71,19 +79,16 @@ Status comparable(const Signature& signature, Space space) {
   return {};
 }
 
-// What distances look at; the rest would fill the memory of a batch.
+// Without the large parts that no distance looks at: they would fill the memory of a batch.
 Result<Signature> readForComparing(const ShapeRecord& record) {
   ASSIGN_OR_RETURN(StoredSignature stored, readStored(record));
-  Signature signature;
-  signature.topology = stored.signature.topology;
-  signature.conformal = std::move(stored.signature.conformal);
-  signature.vectors = std::move(stored.signature.vectors);
-  signature.descriptor_version = stored.signature.descriptor_version;
-  if (signature.conformal) {
-    signature.conformal->generators = {};
-    signature.conformal->length_spectrum = {};
-  }
-  return signature;
+  Signature& signature = stored.signature;
+  signature.metric.reset();
+  signature.shape.reset();
+  signature.timing.clear();
+  signature.certificate.warnings.clear();
+  if (signature.conformal) signature.conformal->generators = {};
+  return std::move(signature);
 }
 
 // The same bytes for the same request; pages may differ in their size.

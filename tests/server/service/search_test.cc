@@ -4,8 +4,9 @@
 #include <random>
 
 #include "client/cpp/client.h"
-#include "core/signature/conformal_block.h"
+#include "core/signature/conformal_vector.h"
 #include "core/signature/descriptor.h"
+#include "core/signature/distance.h"
 #include "server/rpc/convert.h"
 #include "server/service/stored_shape.h"
 #include "server/store/sqlite_catalog.h"
@@ -36,10 +37,30 @@ Signature madeUp(int number) {
   ConformalBlock& block = signature.conformal.emplace();
   block.type = ConformalType::kTorus;
   block.tau = {0.01 * (number % 40), 1.5 + number % 11};
-  const std::vector<double> conformal = conformalCoordinates(block);
+  const std::vector<double> conformal = conformalVector(block, signature.topology, {});
   signature.vectors.conformal.assign(conformal.begin(), conformal.end());
   signature.vectors.metric = numbers(number, kMetricLength);
   signature.vectors.shape = numbers(number, kShapeLength);
+  return signature;
+}
+
+// Of genus 2, with all that a conformal distance may look at.
+Signature madeUpPretzel(int number) {
+  Signature signature = madeUp(number);
+  signature.topology.genus = 2;
+  ConformalBlock block;
+  block.type = ConformalType::kHyperbolic;
+  std::mt19937 random(static_cast<unsigned>(number));
+  std::uniform_real_distribution<double> step(0.01, 0.3);
+  double energy = 0.5, length = 1;
+  for (int i = 0; i < 32; ++i) block.energy_spectrum.push_back(energy += step(random));
+  for (int i = 0; i < 20; ++i) block.length_spectrum.push_back(length += step(random));
+  signature.certificate.spectrum_complete_to = length;
+  const std::vector<double> first(block.length_spectrum.begin(),
+                                  block.length_spectrum.begin() + kFirstLengths);
+  const std::vector<double> conformal = conformalVector(block, signature.topology, first);
+  signature.conformal = block;
+  signature.vectors.conformal.assign(conformal.begin(), conformal.end());
   return signature;
 }
 
@@ -291,6 +312,43 @@ TEST_F(SearchServiceTest, ManyQueriesAreAnsweredInOrderAndAsOne) {
         EXPECT_EQ(result.query(), i % 3 == 0 ? "" : one.shape());
         EXPECT_FALSE(result.has_failure());
       }
+    }
+  }
+}
+
+// A search that kept less of a signature than its distance looks at would be wrong in silence.
+TEST_F(SearchServiceTest, DistancesAreThoseOfWholeSignatures) {
+  server_.reset();
+  {
+    const auto catalog = open(options_);
+    ASSERT_OK(catalog->createCollection("pretzels", ""));
+    for (int number = 0; number < 12; ++number) {
+      ShapeRecord record = recordOf("pretzels", number);
+      fillRecord({madeUpPretzel(number), {}}, record);
+      ASSERT_OK(catalog->putShape(record, OnExists::kError));
+    }
+  }
+  restart();
+  for (const auto space : {Space::kConformal, Space::kMetric, Space::kShape}) {
+    auto request = query(0, 100);
+    request.set_parent("collections/pretzels");
+    *request.mutable_signature() = toProto(madeUpPretzel(3));
+    request.set_space(toProto(space));
+    const auto found = peer_->search(request);
+    ASSERT_OK(found);
+    ASSERT_EQ(found->hits_size(), 12);
+    for (const v1::SearchHit& hit : found->hits()) {
+      const Signature other = madeUpPretzel(std::stoi(hit.name().substr(1)));
+      EXPECT_EQ(hit.distance(), signatureDistance(madeUpPretzel(3), other, space));
+    }
+    auto many = batch(100);
+    many.set_parent("collections/pretzels");
+    many.set_space(toProto(space));
+    many.add_queries()->set_shape("collections/pretzels/shapes/n3");
+    const auto results = peer_->searchMany(many);
+    ASSERT_OK(results);
+    for (int i = 0; i < 12; ++i) {
+      EXPECT_EQ(results->front().hits(i).SerializeAsString(), found->hits(i).SerializeAsString());
     }
   }
 }
