@@ -70,4 +70,21 @@ std::vector<double> conformalVector(const ConformalBlock& block, const Signature
   return hyperbolicVector(block, topology, first_lengths);
 }
 
+std::size_t conformalVectorLength(ConformalType type) {
+  switch (type) {
+    case ConformalType::kSphere:
+    case ConformalType::kDisk:
+    case ConformalType::kAnnulus:
+      return 1;
+    case ConformalType::kTorus:
+      return modularFeatures({0, 1}).size();
+    case ConformalType::kHyperbolic:
+      return kHyperbolicLength;
+    case ConformalType::kCircleDomain:
+    case ConformalType::kBordered:
+      break;
+  }
+  return kBorderedLength;
+}
+
 }  // namespace moduli

@@ -38,4 +38,7 @@ inline constexpr double kTopologyStep = 16;
 std::vector<double> conformalVector(const ConformalBlock& block, const SignatureTopology& topology,
                                     const std::vector<double>& first_lengths);
 
+/// How many numbers those of a type are, where there are any.
+std::size_t conformalVectorLength(ConformalType type);
+
 }  // namespace moduli

@@ -46,15 +46,7 @@ const std::vector<float>& vectorOf(const SearchVectors& vectors, Space space) {
 std::size_t lengthOf(const Signature& signature, Space space) {
   if (space == Space::kMetric) return kMetricLength;
   if (space == Space::kShape) return kShapeLength;
-  switch (signature.conformal->type) {
-    case ConformalType::kHyperbolic:
-      return kHyperbolicLength;
-    case ConformalType::kCircleDomain:
-    case ConformalType::kBordered:
-      return kBorderedLength;
-    default:
-      return conformalVector(*signature.conformal, signature.topology, {}).size();
-  }
+  return conformalVectorLength(signature.conformal->type);
 }
 
 Status comparable(const Signature& signature, Space space) {

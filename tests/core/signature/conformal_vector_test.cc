@@ -42,7 +42,9 @@ Signature signIntrinsic(const IntrinsicSurface& surface, std::optional<double> l
 TEST(ConformalVector, HasOneLengthForEachType) {
   const auto lengthOf = [](const std::string& kind, std::map<std::string, double> parameters) {
     parameters["resolution"] = 4;
-    return sign(kind, parameters).vectors.conformal.size();
+    const Signature signature = sign(kind, parameters);
+    EXPECT_EQ(conformalVectorLength(signature.conformal->type), signature.vectors.conformal.size());
+    return signature.vectors.conformal.size();
   };
   EXPECT_EQ(lengthOf("sphere", {}), 1U);
   EXPECT_EQ(lengthOf("disk", {}), 1U);
