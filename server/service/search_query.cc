@@ -71,17 +71,16 @@ Status comparable(const Signature& signature, Space space) {
   return {};
 }
 
-// What distances look at; the rest would fill the memory of a batch.
+// Without the large parts that no distance looks at: they would fill the memory of a batch.
 Result<Signature> readForComparing(const ShapeRecord& record) {
   ASSIGN_OR_RETURN(StoredSignature stored, readStored(record));
-  Signature signature;
-  signature.topology = stored.signature.topology;
-  signature.conformal = std::move(stored.signature.conformal);
-  signature.vectors = std::move(stored.signature.vectors);
-  signature.descriptor_version = stored.signature.descriptor_version;
+  Signature& signature = stored.signature;
+  signature.metric.reset();
+  signature.shape.reset();
+  signature.timing.clear();
+  signature.certificate.warnings.clear();
   if (signature.conformal) signature.conformal->generators = {};
-  signature.certificate.spectrum_complete_to = stored.signature.certificate.spectrum_complete_to;
-  return signature;
+  return std::move(signature);
 }
 
 // The same bytes for the same request; pages may differ in their size.
