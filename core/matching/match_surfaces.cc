@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/base/side_by_side.h"
@@ -146,29 +145,29 @@ class Matching {
   /// The best match by either metric; tells of the others.
   Result<SpectralGuess> bestGuess() {
     std::vector<MatchAlternative> all;
-    ASSIGN_OR_RETURN(std::optional<SpectralGuess> best, guessBy(MatchMethod::kNearIsometry, all));
-    if (!best || best->match.defect > kGoodDefect) {
-      ASSIGN_OR_RETURN(std::optional<SpectralGuess> other, guessBy(MatchMethod::kMobius, all));
-      const double enough =
-          best ? kMobiusShare * best->match.defect : std::numeric_limits<double>::infinity();
-      if (other && other->match.defect < enough) best = std::move(other);
+    std::vector<SpectralGuess> guesses;
+    RETURN_IF_ERROR(addGuess(MatchMethod::kNearIsometry, guesses, all));
+    if (guesses.empty() || guesses.front().match.defect > kGoodDefect) {
+      RETURN_IF_ERROR(addGuess(MatchMethod::kMobius, guesses, all));
     }
-    if (!best) {
+    if (guesses.empty()) {
       return Status(Reason::kNoConvergence,
                     "no correspondence of the surfaces was found that keeps orientation",
                     "--mirror looks for one that turns it over; --landmarks tells points that "
                     "correspond");
     }
+    const bool mobius = guesses.front().match.defect * kMobiusShare > guesses.back().match.defect;
     std::stable_sort(all.begin(), all.end(),
                      [](const auto& x, const auto& y) { return x.defect < y.defect; });
     for (std::size_t i = 1; i < all.size(); ++i) {
       if (all[i].defect < kNearlyAsGood * all[0].defect) result_.alternatives.push_back(all[i]);
     }
-    return *std::move(best);
+    return std::move(mobius ? guesses.back() : guesses.front());
   }
 
-  Result<std::optional<SpectralGuess>> guessBy(MatchMethod method,
-                                               std::vector<MatchAlternative>& all) {
+  /// Adds the best match by one metric, if there is any.
+  Status addGuess(MatchMethod method, std::vector<SpectralGuess>& guesses,
+                  std::vector<MatchAlternative>& all) {
     std::optional<Pair> other;
     if (method == MatchMethod::kMobius) {
       ASSIGN_OR_RETURN(Pair pair, spectralPair(MatchMetric::kMobius));
@@ -179,13 +178,13 @@ class Matching {
     const auto& [x, y] = other ? *other : *own_;
     ASSIGN_OR_RETURN(const std::vector<SpectralMatch> matches, matchSpectra(context_, x, y));
     for (const SpectralMatch& match : matches) all.push_back({method, match.defect});
-    if (matches.empty()) return std::optional<SpectralGuess>();
-    SpectralGuess guess;
+    if (matches.empty()) return {};
+    SpectralGuess& guess = guesses.emplace_back();
     guess.method = method;
     guess.match = matches.front();
     guess.samples = x.coarse.vertices;
     ASSIGN_OR_RETURN(guess.points, correspondingPoints(context_, x, y, guess.match.functional));
-    return std::optional(std::move(guess));
+    return {};
   }
 
   Result<SurfaceMatch> judged() {
