@@ -39,8 +39,8 @@ const std::vector<CommandSpec>& commands() {
   static const std::vector<CommandSpec> all = [] {
     std::vector<CommandSpec> list;
     for (auto group :
-         {computeCommands, parameterizeCommands, collectionCommands, addCommands, shapeCommands,
-          searchCommands, evaluateCommands, sampleCommands, aboutCommands}) {
+         {computeCommands, parameterizeCommands, matchCommands, collectionCommands, addCommands,
+          shapeCommands, searchCommands, evaluateCommands, sampleCommands, aboutCommands}) {
       for (CommandSpec& command : group()) list.push_back(std::move(command));
     }
     return list;

@@ -84,6 +84,7 @@ const CommandSpec* findCommand(const std::string& path);
 /// One file each.
 std::vector<CommandSpec> computeCommands();
 std::vector<CommandSpec> parameterizeCommands();
+std::vector<CommandSpec> matchCommands();
 std::vector<CommandSpec> collectionCommands();
 std::vector<CommandSpec> addCommands();
 std::vector<CommandSpec> shapeCommands();

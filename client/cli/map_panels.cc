@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "client/cli/output.h"
-#include "core/picture/sheet.h"
 
 namespace moduli::cli {
 namespace {
@@ -15,7 +14,6 @@ namespace {
 using Options = v1::ParameterizationOptions;
 using Kind = MapEdge::Kind;
 
-constexpr int kLeastPanel = 64;
 constexpr double kLeastFace = 24;  // Square pixels: sides of some 7 pixels.
 
 std::string number(double value) {
@@ -106,28 +104,6 @@ std::vector<Segment> segmentsOf(const MapDrawing& drawing, Kind kind, bool in_sp
 
 }  // namespace
 
-PanelLayout layOutPanels(const PictureSize& size, int count) {
-  PanelLayout best, bare;
-  int best_side = 0, bare_side = 0;
-  for (int columns = 1; columns <= count; ++columns) {
-    const int rows = (count + columns - 1) / columns;
-    const PanelLayout worded = {
-        columns, (size.width - kSheetMargin * (columns + 1)) / columns,
-        (size.height - kSheetHeading - kSheetMargin - rows * kSheetWords) / rows, true};
-    if (const int side = std::min(worded.width, worded.height); side > best_side) {
-      best_side = side;
-      best = worded;
-    }
-    const PanelLayout plain = {columns, std::max(1, size.width / columns),
-                               std::max(1, size.height / rows), false};
-    if (const int side = std::min(plain.width, plain.height); side > bare_side) {
-      bare_side = side;
-      bare = plain;
-    }
-  }
-  return best_side >= kLeastPanel ? best : bare;
-}
-
 MapPanels::MapPanels(const MapPicture& picture)
     : drawing_(
           makeDrawing(*picture.map, picture.in_space ? picture.space : std::span<const double>())),
@@ -204,22 +180,14 @@ Color MapPanels::colorAt(int face, const Vec3& weights) const {
 }
 
 RenderOptions MapPanels::look(PanelKind kind, int width, int height) const {
-  RenderOptions options;
+  if (kind == PanelKind::kSurface) return surfaceLook(view_, width, height);
   if (kind == PanelKind::kPlane) {
-    options = planeView(width, height);
-  } else if (kind == PanelKind::kSurface) {
-    options.view_from = view_.towards_eye;
-    options.up = view_.up;
-  } else {
-    options.view_from = {kind == PanelKind::kFront ? 1.0 : -1.0, 0, 0};
-    options.up = {0, 0, 1};
+    RenderOptions options = planeView(width, height);
+    options.supersampling = samplesFor(width, height);
+    return options;
   }
-  options.width = width;
-  options.height = height;
-  // Less where samples would be too many to be worth their time.
-  const double pixels = double(width) * height;
-  options.supersampling = pixels < 5e5 ? 4 : pixels < 2e6 ? 3 : pixels < 3.2e7 ? 2 : 1;
-  return options;
+  const PictureView view{{kind == PanelKind::kFront ? 1.0 : -1.0, 0, 0}, {0, 0, 1}};
+  return surfaceLook(view, width, height);
 }
 
 bool MapPanels::showsEdges(double scale) const {

@@ -8,6 +8,7 @@
 #include "client/cli/map_drawing.h"
 #include "client/cli/map_pattern.h"
 #include "client/cli/map_picture.h"
+#include "client/cli/panel_sheet.h"
 #include "core/picture/render.h"
 
 /// The parts of a map's picture, whatever file they go to.
@@ -19,16 +20,6 @@ inline constexpr Color kCircleColor = {150, 158, 170};
 inline constexpr Color kSeamColor = {217, 115, 26};
 inline constexpr double kEdgeWidth = 0.5, kBoundaryWidth = 1.4, kCircleWidth = 1.2,
                         kSeamWidth = 1.6;
-
-/// Where the panels of a picture are, in pixels.
-struct PanelLayout {
-  int columns = 1;
-  int width = 1, height = 1;  ///< Of a panel.
-  bool words = true;          ///< As on a contact sheet; otherwise panels alone, without margins.
-};
-
-/// The layout with the largest panels. count: at least 1.
-PanelLayout layOutPanels(const PictureSize& size, int count);
 
 enum class PanelKind : std::uint8_t {
   kSurface,

@@ -272,6 +272,32 @@ std::string registrationLines(const v1::RegistrationResult& registration) {
               "difference " + brief(registration.mean_absolute_difference()) + " on average"});
 }
 
+std::string matchQualityLines(const v1::MatchCertificate& certificate) {
+  std::vector<std::string> bent, met;
+  if (certificate.has_flipped_faces()) {
+    bent.push_back(counted(certificate.flipped_faces(), "flipped face", "flipped faces"));
+  }
+  if (certificate.has_mean_dilatation()) {
+    bent.push_back("dilatation " + brief(certificate.mean_dilatation()) + " on average");
+  }
+  if (certificate.has_dilatation_95()) {
+    bent.push_back(brief(certificate.dilatation_95()) + " or less on 95 % of the area");
+  }
+  if (certificate.has_area_distortion()) {
+    bent.push_back("areas change by e^" + brief(certificate.area_distortion()));
+  }
+  if (certificate.has_cycle_error()) {
+    met.push_back("points come back to " + brief(certificate.cycle_error()) + " on average");
+  }
+  if (certificate.has_landmark_error()) {
+    met.push_back("landmarks are met up to " + brief(certificate.landmark_error()));
+  }
+  if (certificate.has_defect()) {
+    met.push_back("defect of the modes " + brief(certificate.defect()));
+  }
+  return joinedLine("quality", bent) + joinedLine("agreement", met);
+}
+
 std::string timeLine(const google::protobuf::Map<std::string, double>& timing) {
   double seconds = 0;
   for (const auto& [stage, time] : timing) seconds += time;
@@ -322,6 +348,24 @@ std::string parameterizationReport(const std::string& title, const v1::Parameter
          domainLines(result) + metricLine(certificate) +
          (result.has_registration() ? registrationLines(result.registration()) : "") +
          joinedLine("quality", mapParts(certificate)) + warningLines(certificate.warnings()) +
+         timeLine(result.timing());
+}
+
+std::string matchReport(const std::string& title, const v1::SurfaceMatch& result) {
+  std::string text = safe(title) + "\n" + line("distance", brief(result.distance())) +
+                     line("method", v1::SurfaceMatch::Method_Name(result.method())) +
+                     matchQualityLines(result.certificate());
+  constexpr int kShown = 3;
+  std::vector<std::string> others;
+  for (const v1::SurfaceMatch::Alternative& other : result.alternatives()) {
+    if (others.size() == kShown) {
+      others.push_back(std::to_string(result.alternatives_size() - kShown) + " more");
+      break;
+    }
+    others.push_back(v1::SurfaceMatch::Method_Name(other.method()) + " with defect " +
+                     brief(other.defect()));
+  }
+  return text + joinedLine("others", others) + warningLines(result.certificate().warnings()) +
          timeLine(result.timing());
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "moduli/v1/catalog.pb.h"
+#include "moduli/v1/matching.pb.h"
 #include "moduli/v1/mesh.pb.h"
 #include "moduli/v1/parameterization.pb.h"
 #include "moduli/v1/signature.pb.h"
@@ -15,6 +16,7 @@ namespace moduli::cli {
 std::string inspectionReport(const std::string& title, const v1::Inspection& inspection);
 std::string signatureReport(const std::string& title, const v1::Signature& signature);
 std::string parameterizationReport(const std::string& title, const v1::Parameterization& result);
+std::string matchReport(const std::string& title, const v1::SurfaceMatch& result);
 std::string distancesReport(const v1::SignatureDistances& distances);
 std::string shapeReport(const v1::Shape& shape);
 std::string searchReport(const v1::SearchResult& result);

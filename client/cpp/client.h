@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/cpp/ingest.h"
+#include "client/cpp/matched_surfaces.h"
 #include "client/cpp/mesh_bytes.h"
 #include "client/cpp/paging.h"
 #include "client/cpp/parameterized_mesh.h"
@@ -71,6 +72,9 @@ class Client {
   Result<v1::SignatureDistances> compareSignatures(const v1::CompareSignaturesRequest& request);
   /// Fails with kInternal where the arrays that arrive are broken (see ArrayAssembler).
   Result<ParameterizedMesh> parameterize(const v1::ParameterizeRequest& request);
+
+  /// Fails with kInternal where the map that arrives is broken (see MatchAssembler).
+  Result<MatchedSurfaces> match(const v1::MatchSurfacesRequest& request);
 
   /// Collections and shapes go by resource name: collections/C and collections/C/shapes/S.
   /// wanted_recall: as in v1::Collection.

@@ -1,11 +1,9 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
+#include "client/cpp/array_pieces.h"
 #include "core/base/status.h"
 #include "moduli/v1/parameterization.pb.h"
 
@@ -24,31 +22,22 @@ struct ParameterizedMesh {
   std::vector<double> geodesics;
 };
 
-/// Puts the arrays of a parameterization together from their chunks. Trusts no server: shapes,
-/// offsets, sizes and indices are judged, and memory is taken for what has arrived, not for what is
-/// promised. Not thread-safe.
+/// Puts the arrays of a parameterization together from their chunks, and judges them. Not
+/// thread-safe.
 class ArrayAssembler {
  public:
-  /// Fails with kInternal, naming the array, on a chunk that does not fit those before it.
-  Status take(const v1::ArrayChunk& chunk);
+  ArrayAssembler();
+
+  /// As ArrayPieces::take.
+  Status take(const v1::ArrayChunk& chunk) { return pieces_.take(chunk); }
 
   /// The arrays, without their result. Fails with kInternal where one is missing (CARRIED and
-  /// GEODESICS may be)
-  /// or incomplete, where the shapes do not fit each other, on an index out of range, a face that
-  /// is mapped in part, and a number of the others that is not
-  /// finite.
+  /// GEODESICS may be) or incomplete, where the shapes do not fit each other, on an index out of
+  /// range, a face that is mapped in part, and a number of the others that is not finite.
   Result<ParameterizedMesh> finish();
 
  private:
-  /// How far an array is.
-  struct State {
-    std::int32_t rows = -1;  ///< -1: nothing has come yet.
-    std::uint64_t received = 0;
-  };
-  static constexpr std::size_t kArrays = 6;
-
-  std::array<State, kArrays> states_;
-  ParameterizedMesh mesh_;
+  ArrayPieces pieces_;
 };
 
 /// Fails with kInternal where a geodesic of the result has points that are not there. mesh: with

@@ -9,6 +9,7 @@
 #include "moduli/v1/geometry_service.grpc.pb.h"
 #include "server/rpc/convert.h"
 #include "server/service/event_stream.h"
+#include "server/service/matching.h"
 #include "server/service/parameterizing.h"
 #include "server/service/request.h"
 #include "server/service/services.h"
@@ -115,6 +116,12 @@ Result<EventStream<v1::ParameterizeResponse>::Parts> parameterize(
                                request.omit_arrays());
 }
 
+Result<EventStream<v1::MatchSurfacesResponse>::Parts> match(
+    Context& context, const Backend& backend, const v1::MatchSurfacesRequest& request) {
+  ASSIGN_OR_RETURN(MatchedMeshes meshes, matchMeshes(context, backend, request));
+  return matchParts(std::make_shared<const MatchedMeshes>(std::move(meshes)), request);
+}
+
 v1::QueryUploadResponse uploadState(const UploadState& state) {
   v1::QueryUploadResponse response;
   response.set_committed_size(state.committed_size);
@@ -189,6 +196,18 @@ class GeometryService final : public v1::GeometryService::CallbackService {
                 checkParameterization(request->options(), "options")),
         [this, kept = std::make_shared<v1::ParameterizeRequest>(*request)](Context& context) {
           return parameterize(context, backend_, *kept);
+        });
+  }
+
+  grpc::ServerWriteReactor<v1::MatchSurfacesResponse>* MatchSurfaces(
+      Rpc* rpc, const v1::MatchSurfacesRequest* request) override {
+    return EventStream<v1::MatchSurfacesResponse>::answerInParts(
+        backend_, *rpc, {"MatchSurfaces"},
+        firstOf(checkSource(request->a(), "a"), checkSource(request->b(), "b"),
+                checkPrepare(request->prepare(), "prepare"),
+                checkMatch(request->options(), "options")),
+        [this, kept = std::make_shared<v1::MatchSurfacesRequest>(*request)](Context& context) {
+          return match(context, backend_, *kept);
         });
   }
 

@@ -1,5 +1,6 @@
 #include "server/service/landmarks.h"
 
+#include <set>
 #include <string>
 #include <utility>
 
@@ -101,16 +102,65 @@ class Side {
   std::vector<Index> halfedge_;  ///< Per corner of the input's faces; kNone where it has none.
 };
 
-constexpr const char* kOnReference = "on the reference";
+/// The vertex that a point is; kNone within edges and faces.
+Index vertexOf(const Connectivity& surface, const SurfacePoint& point) {
+  for (int c = 0; c < 3; ++c) {
+    if (point.barycentric[c] == 1) return surface.face(point.face)[c];
+  }
+  return kNone;
+}
+
+/// Puts landmarks of a match together.
+class MatchLandmarks {
+ public:
+  explicit MatchLandmarks(const LandmarkSurfaces& surfaces) : surfaces_(surfaces) {}
+
+  void add(SphereLandmark landmark) {
+    vertices_.insert(verticesOf(landmark));
+    found_.push_back({landmark.point, landmark.reference, std::move(landmark.name)});
+  }
+
+  Status add(const SphereCurve& curve) {
+    auto a = points(surfaces_.first, curve.pair.path_a, curve.pair.count);
+    if (!a.ok()) return a.status().withContext(curve.name);
+    auto b = points(surfaces_.second, curve.pair.path_b, curve.pair.count);
+    if (!b.ok()) return b.status().withContext(curve.name + ": on " + surfaces_.second_name);
+    for (std::size_t i = 0; i < a->size(); ++i) {
+      SphereLandmark landmark{(*a)[i], (*b)[i],
+                              curve.name + " (point " + std::to_string(i + 1) + " of the curve)"};
+      const auto ends = verticesOf(landmark);
+      const bool known = ends.first != kNone && ends.second != kNone && vertices_.contains(ends);
+      if (!known) add(std::move(landmark));
+    }
+    return {};
+  }
+
+  std::vector<MatchLandmark> take() { return std::move(found_); }
+
+ private:
+  static Result<std::vector<SurfacePoint>> points(const Subject& subject,
+                                                  const std::vector<Index>& path, int count) {
+    return resampleCurve(subject.surface(), subject.lengths, path, count);
+  }
+
+  std::pair<Index, Index> verticesOf(const SphereLandmark& landmark) const {
+    return {vertexOf(surfaces_.first.surface(), landmark.point),
+            vertexOf(surfaces_.second.surface(), landmark.reference)};
+  }
+
+  const LandmarkSurfaces& surfaces_;
+  std::set<std::pair<Index, Index>> vertices_;
+  std::vector<MatchLandmark> found_;
+};
 
 }  // namespace
 
-Result<std::vector<SphereLandmark>> landmarksOnSurfaces(const v1::SphereRegistration& registration,
-                                                        const Subject& subject,
-                                                        const Subject& reference) {
+Result<std::vector<SphereLandmark>> landmarksOnSurfaces(
+    const google::protobuf::RepeatedPtrField<v1::LandmarkPair>& pairs,
+    const LandmarkSurfaces& surfaces) {
   std::vector<SphereLandmark> landmarks;
-  const Side here(subject, ""), there(reference, kOnReference);
-  for (const v1::LandmarkPair& pair : registration.landmarks()) {
+  const Side here(surfaces.first, ""), there(surfaces.second, "on " + surfaces.second_name);
+  for (const v1::LandmarkPair& pair : pairs) {
     SphereLandmark landmark;
     ASSIGN_OR_RETURN(landmark.point, here.place(pair.point(), pair.name()));
     ASSIGN_OR_RETURN(landmark.reference, there.place(pair.reference(), pair.name()));
@@ -121,12 +171,12 @@ Result<std::vector<SphereLandmark>> landmarksOnSurfaces(const v1::SphereRegistra
   return landmarks;
 }
 
-Result<std::vector<SphereCurve>> curvesOnSurfaces(const v1::SphereRegistration& registration,
-                                                  const Subject& subject,
-                                                  const Subject& reference) {
+Result<std::vector<SphereCurve>> curvesOnSurfaces(
+    const google::protobuf::RepeatedPtrField<v1::LandmarkCurve>& messages,
+    const LandmarkSurfaces& surfaces) {
   std::vector<SphereCurve> curves;
-  const Side here(subject, ""), there(reference, kOnReference);
-  for (const v1::LandmarkCurve& message : registration.curves()) {
+  const Side here(surfaces.first, ""), there(surfaces.second, "on " + surfaces.second_name);
+  for (const v1::LandmarkCurve& message : messages) {
     SphereCurve curve;
     ASSIGN_OR_RETURN(curve.pair.path_a, here.path(message.vertices(), message.name()));
     ASSIGN_OR_RETURN(curve.pair.path_b, there.path(message.reference_vertices(), message.name()));
@@ -135,6 +185,19 @@ Result<std::vector<SphereCurve>> curvesOnSurfaces(const v1::SphereRegistration& 
     curves.push_back(std::move(curve));
   }
   return curves;
+}
+
+Result<std::vector<MatchLandmark>> matchLandmarks(const v1::MatchOptions& options, const Subject& a,
+                                                  const Subject& b) {
+  const LandmarkSurfaces surfaces{a, b, "the second surface"};
+  MatchLandmarks result(surfaces);
+  ASSIGN_OR_RETURN(std::vector<SphereLandmark> landmarks,
+                   landmarksOnSurfaces(options.landmarks(), surfaces));
+  for (SphereLandmark& landmark : landmarks) result.add(std::move(landmark));
+  ASSIGN_OR_RETURN(const std::vector<SphereCurve> curves,
+                   curvesOnSurfaces(options.curves(), surfaces));
+  for (const SphereCurve& curve : curves) RETURN_IF_ERROR(result.add(curve));
+  return result.take();
 }
 
 }  // namespace moduli

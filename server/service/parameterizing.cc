@@ -1,8 +1,6 @@
 #include "server/service/parameterizing.h"
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -15,6 +13,7 @@
 #include "core/parameterize/sphere.h"
 #include "server/rpc/convert.h"
 #include "server/rpc/convert_parameterization.h"
+#include "server/service/array_chunks.h"
 #include "server/service/cones.h"
 #include "server/service/named_vertex.h"
 #include "server/service/registering.h"
@@ -24,7 +23,6 @@ namespace moduli {
 namespace {
 
 // What is sent is what stands in memory.
-static_assert(std::endian::native == std::endian::little);
 static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double));
 static_assert(sizeof(std::complex<double>) == 2 * sizeof(double));
 static_assert(sizeof(Triangle) == 3 * sizeof(std::int32_t));
@@ -136,73 +134,42 @@ v1::Parameterization describe(const Options& options, const Connectivity& surfac
   return result;
 }
 
-/// One array of a parameterization: its shape, and its bytes in memory.
-struct ArrayView {
-  v1::ArrayChunk::Array array;
-  std::size_t rows;
-  int columns;
-  const char* bytes;
-  std::size_t size;
-};
-
-template <typename Row>
-ArrayView viewOf(v1::ArrayChunk::Array array, int columns, const std::vector<Row>& rows) {
-  return {array, rows.size(), columns, reinterpret_cast<const char*>(rows.data()),
-          rows.size() * sizeof(Row)};
-}
-
 /// Hands out the messages of a parameterization one after the other.
 class Parts {
  public:
   Parts(std::shared_ptr<const ParameterizedSurface> surface, bool omit_arrays)
-      : surface_(std::move(surface)) {
-    if (!omit_arrays) listArrays();
-  }
+      : surface_(std::move(surface)),
+        arrays_(omit_arrays ? std::vector<ArrayView>() : arraysOf(*surface_)) {}
 
   std::optional<v1::ParameterizeResponse> next() {
     if (done_) return {};
     v1::ParameterizeResponse response;
-    if (array_ == arrays_.size()) {
-      *response.mutable_parameterization() = surface_->result;
-      done_ = true;
+    if (!arrays_.done()) {
+      arrays_.fill(*response.mutable_array());
       return response;
     }
-    fill(arrays_[array_], *response.mutable_array());
+    *response.mutable_parameterization() = surface_->result;
+    done_ = true;
     return response;
   }
 
  private:
-  void listArrays() {
-    arrays_ = {viewOf(v1::ArrayChunk::POSITIONS, 3, surface_->positions),
-               viewOf(v1::ArrayChunk::FACES, 3, surface_->faces),
-               viewOf(v1::ArrayChunk::POINTS, 2, surface_->points),
-               viewOf(v1::ArrayChunk::CORNERS, 3, surface_->corners)};
-    if (!surface_->carried.empty()) {
-      arrays_.push_back(viewOf(v1::ArrayChunk::CARRIED, 1, surface_->carried));
+  static std::vector<ArrayView> arraysOf(const ParameterizedSurface& surface) {
+    std::vector<ArrayView> arrays = {viewOf(v1::ArrayChunk::POSITIONS, 3, surface.positions),
+                                     viewOf(v1::ArrayChunk::FACES, 3, surface.faces),
+                                     viewOf(v1::ArrayChunk::POINTS, 2, surface.points),
+                                     viewOf(v1::ArrayChunk::CORNERS, 3, surface.corners)};
+    if (!surface.carried.empty()) {
+      arrays.push_back(viewOf(v1::ArrayChunk::CARRIED, 1, surface.carried));
     }
-    if (surface_->result.has_hyperbolic()) {
-      arrays_.push_back(viewOf(v1::ArrayChunk::GEODESICS, 7, surface_->geodesics));
+    if (surface.result.has_hyperbolic()) {
+      arrays.push_back(viewOf(v1::ArrayChunk::GEODESICS, 7, surface.geodesics));
     }
-  }
-
-  // The next piece of an array; an empty one has one, too, for the sake of its shape.
-  void fill(const ArrayView& view, v1::ArrayChunk& chunk) {
-    const std::size_t length = std::min(kMaxChunkBytes, view.size - offset_);
-    chunk.set_array(view.array);
-    chunk.set_rows(static_cast<std::int32_t>(view.rows));
-    chunk.set_columns(view.columns);
-    chunk.set_offset(static_cast<std::int64_t>(offset_));
-    if (length > 0) chunk.set_data(view.bytes + offset_, length);
-    offset_ += length;
-    if (offset_ < view.size) return;
-    offset_ = 0;
-    ++array_;
+    return arrays;
   }
 
   std::shared_ptr<const ParameterizedSurface> surface_;
-  std::vector<ArrayView> arrays_;
-  std::size_t array_ = 0;
-  std::size_t offset_ = 0;
+  ArrayChunks arrays_;
   bool done_ = false;
 };
 

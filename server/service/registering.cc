@@ -12,19 +12,6 @@
 namespace moduli {
 namespace {
 
-/// Before a message, unless it begins so; who has to stop is told nothing of files.
-Status about(const std::string& name, const Status& status) {
-  const bool stopped =
-      status.reason() == Reason::kCancelled || status.reason() == Reason::kDeadlineExceeded;
-  return status.ok() || stopped || status.message().starts_with(name) ? status
-                                                                      : status.withContext(name);
-}
-
-std::string nameOf(const v1::MeshSource& source) {
-  if (!source.file_name().empty()) return source.file_name();
-  return source.has_shape() ? source.shape() : "the reference";
-}
-
 /// Vertices that fill holes get the mean of their neighbours with a value, again and again.
 void fillIn(const Connectivity& surface, std::vector<std::optional<double>>& values) {
   bool grows = true;
@@ -110,7 +97,7 @@ Result<Parameterization> mapReference(Context& context, const ReferenceSphere& r
   options.mobius.reset();
   auto map =
       parameterizeSphere(context, subject.surface(), subject.lengths, subject.positions(), options);
-  if (!map.ok()) return about(reference.name, map.status());
+  if (!map.ok()) return aboutSurface(reference.name, map.status());
   return map;
 }
 
@@ -121,9 +108,9 @@ Result<ReferenceSphere> loadReference(Context& context, const Backend& backend,
                                       const Subject& subject) {
   const v1::SphereRegistration& registration = request.options().registration();
   ReferenceSphere reference;
-  reference.name = nameOf(registration.reference());
+  reference.name = sourceName(registration.reference(), "the reference");
   auto loaded = loadSubject(context, backend, registration.reference(), request.prepare());
-  if (!loaded.ok()) return about(reference.name, loaded.status());
+  if (!loaded.ok()) return aboutSurface(reference.name, loaded.status());
   reference.subject = *std::move(loaded);
   reference.options.mirror = registration.mirror();
   if (registration.has_field()) {
@@ -134,10 +121,10 @@ Result<ReferenceSphere> loadReference(Context& context, const Backend& backend,
         reference.reference_field,
         readField(context, backend, registration.reference_field(), reference.subject));
   }
+  const LandmarkSurfaces surfaces{subject, reference.subject, "the reference"};
   ASSIGN_OR_RETURN(reference.options.landmarks,
-                   landmarksOnSurfaces(registration, subject, reference.subject));
-  ASSIGN_OR_RETURN(reference.options.curves,
-                   curvesOnSurfaces(registration, subject, reference.subject));
+                   landmarksOnSurfaces(registration.landmarks(), surfaces));
+  ASSIGN_OR_RETURN(reference.options.curves, curvesOnSurfaces(registration.curves(), surfaces));
   return reference;
 }
 

@@ -208,26 +208,29 @@ bool isSound(const v1::SurfacePoint& point) {
   return std::abs(sum - 1) <= 1e-3;
 }
 
-Refusal checkLandmarks(const v1::SphereRegistration& registration, const std::string& field) {
+/// message: with landmarks and curves. second: what the other surface is called.
+template <typename Message>
+Refusal checkLandmarks(const Message& message, const std::string& field,
+                       const std::string& second) {
   const auto refuse = [](const std::string& name, const std::string& why,
                          const std::string& where) {
     return Refusal{{Reason::kInvalidOption, name.empty() ? why : name + ": " + why,
                     "give a vertex, or a face and three weights of sum 1, of both surfaces"},
                    where};
   };
-  int count = registration.landmarks_size();
-  for (int i = 0; i < registration.landmarks_size(); ++i) {
-    const v1::LandmarkPair& pair = registration.landmarks(i);
+  int count = message.landmarks_size();
+  for (int i = 0; i < message.landmarks_size(); ++i) {
+    const v1::LandmarkPair& pair = message.landmarks(i);
     const std::string where = field + ".landmarks[" + std::to_string(i) + "]";
     if (!isSound(pair.point())) {
       return refuse(pair.name(), "a landmark is no point of a surface", where + ".point");
     }
     if (!isSound(pair.reference())) {
-      return refuse(pair.name(), "a landmark is no point of the reference", where + ".reference");
+      return refuse(pair.name(), "a landmark is no point of " + second, where + ".reference");
     }
   }
-  for (int i = 0; i < registration.curves_size(); ++i) {
-    const v1::LandmarkCurve& curve = registration.curves(i);
+  for (int i = 0; i < message.curves_size(); ++i) {
+    const v1::LandmarkCurve& curve = message.curves(i);
     const std::string where = field + ".curves[" + std::to_string(i) + "]";
     if (curve.count() < 2 || curve.count() > kMostOfCurve) {
       return refuse(curve.name(),
@@ -294,7 +297,8 @@ Refusal checkRegistration(const v1::ParameterizationOptions& options, const std:
   }
   const v1::SphereRegistration& registration = options.registration();
   return firstOf(checkSource(registration.reference(), field + ".reference"),
-                 checkFields(registration, field), checkLandmarks(registration, field));
+                 checkFields(registration, field),
+                 checkLandmarks(registration, field, "the reference"));
 }
 
 }  // namespace
@@ -316,6 +320,10 @@ Refusal checkParameterization(const v1::ParameterizationOptions& options,
       checkChoice(Options::Method_IsValid(options.method()), "method", options.method(), field),
       checkTarget(options, field), checkCones(options, field), checkCorners(options, field),
       checkMobius(options, field), checkRegistration(options, field));
+}
+
+Refusal checkMatch(const v1::MatchOptions& options, const std::string& field) {
+  return checkLandmarks(options, field, "the second surface");
 }
 
 }  // namespace moduli

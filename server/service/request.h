@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "core/base/status.h"
+#include "moduli/v1/matching.pb.h"
 #include "moduli/v1/mesh.pb.h"
 #include "moduli/v1/parameterization.pb.h"
 #include "moduli/v1/signature.pb.h"
@@ -40,6 +41,8 @@ Refusal checkPageSize(int size);
 /// There is a target, every choice is known, cones have sound numbers, and a registration has a
 /// well-formed reference, fields that go together, and landmarks that can be.
 Refusal checkParameterization(const v1::ParameterizationOptions& options, const std::string& field);
+/// Landmarks are such that can be.
+Refusal checkMatch(const v1::MatchOptions& options, const std::string& field);
 
 /// The first of them that is a refusal.
 template <typename... Refusals>

@@ -65,4 +65,16 @@ Result<Subject> loadSubject(Context& context, const Backend& backend, const v1::
   return meshSubject(context, std::move(std::get<TriangleSoup>(*parsed)), options);
 }
 
+std::string sourceName(const v1::MeshSource& source, const std::string& otherwise) {
+  if (!source.file_name().empty()) return source.file_name();
+  return source.has_shape() ? source.shape() : otherwise;
+}
+
+Status aboutSurface(const std::string& name, const Status& status) {
+  const bool stopped =
+      status.reason() == Reason::kCancelled || status.reason() == Reason::kDeadlineExceeded;
+  return status.ok() || stopped || status.message().starts_with(name) ? status
+                                                                      : status.withContext(name);
+}
+
 }  // namespace moduli

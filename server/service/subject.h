@@ -41,4 +41,11 @@ struct Subject {
 Result<Subject> loadSubject(Context& context, const Backend& backend, const v1::MeshSource& source,
                             const v1::PrepareOptions& prepare);
 
+/// What messages call a surface: its file or its stored shape, or `otherwise`.
+std::string sourceName(const v1::MeshSource& source, const std::string& otherwise);
+
+/// `status` with a surface's name before its message, unless it begins so; who has to stop is told
+/// nothing of files.
+Status aboutSurface(const std::string& name, const Status& status);
+
 }  // namespace moduli

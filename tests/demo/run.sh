@@ -22,6 +22,7 @@ say "1. Sample surfaces"
 sample spheres/round sphere resolution=24
 for c in 0.5 0.75 1.5 2; do sample "spheres/spheroid-$c" spheroid a=1 c=$c resolution=24; done
 sample spheres/ellipsoid ellipsoid a=1 b=1.3 c=1.8 resolution=24
+sample spheres/ellipsoid-remeshed ellipsoid a=1 b=1.3 c=1.8 resolution=20 seed=5
 for l in 0.5 1.5; do sample "spheres/capsule-$l" capped-cylinder radius=1 half_length=$l resolution=24; done
 for R in 1.3 1.6 2 3; do sample "tori/torus-$R" torus R=$R r=1 resolution=32; done
 sample tori/clifford torus R=1.4142135623730951 r=1 resolution=40 seed=7
@@ -71,6 +72,11 @@ say "10. Maps without a fold: to the sphere, to a disk with round holes, to the 
 say "11. A pretzel, cut open, in the Poincaré disk, with its shortest closed geodesics"
 "$moduli" parameterize "$out/meshes/pretzels/genus-2.ply" --to hyperbolic -o "$out/disk.obj" \
   --picture "$out/map-disk.png"
+
+say "12. Where is each point of a surface on another one? Two triangulations of one ellipsoid"
+"$moduli" match "$out/meshes/spheres/ellipsoid.ply" "$out/meshes/spheres/ellipsoid-remeshed.ply" \
+  -o "$out/map.csv" --picture "$out/match-ellipsoids.png"
+head -4 "$out/map.csv"
 
 say "Done. Look at:"
 ls "$out"/*.png

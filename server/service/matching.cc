@@ -1,0 +1,124 @@
+#include "server/service/matching.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/matching/match_surfaces.h"
+#include "server/rpc/convert_matching.h"
+#include "server/service/array_chunks.h"
+#include "server/service/landmarks.h"
+#include "server/service/subject.h"
+
+namespace moduli {
+namespace {
+
+// What is sent is what stands in memory.
+static_assert(sizeof(std::array<double, 3>) == 3 * sizeof(double));
+
+/// One of the two surfaces with its name for messages.
+struct Side {
+  std::string name;
+  Subject subject;
+};
+
+Result<Side> loadSide(Context& context, const Backend& backend, const v1::MeshSource& source,
+                      const v1::PrepareOptions& prepare, const std::string& otherwise) {
+  Side side;
+  side.name = sourceName(source, otherwise);
+  auto subject = loadSubject(context, backend, source, prepare);
+  if (!subject.ok()) return aboutSurface(side.name, subject.status());
+  if (subject->intrinsic) {
+    return Status(Reason::kUnsupportedContent,
+                  side.name + ": an intrinsic triangulation, which has no place in space",
+                  "what is matched are meshes: give one");
+  }
+  side.subject = *std::move(subject);
+  return side;
+}
+
+std::string vertices(Index count) {
+  return std::to_string(count) + (count == 1 ? " vertex" : " vertices");
+}
+
+/// What has been done to a surface, and what its side of the map passes over.
+void addWarnings(const Side& side, const InputPoints& points, v1::MatchCertificate& certificate) {
+  const auto add = [&](const std::string& warning) {
+    certificate.add_warnings(side.name + ": " + warning);
+  };
+  for (const std::string& warning : side.subject.warnings) add(warning);
+  if (points.without_image > 0) {
+    add("NO_IMAGE: " + vertices(points.without_image) + " of no face that is mapped");
+  }
+  if (points.beside_hole > 0) {
+    add("BESIDE_HOLE: " + vertices(points.beside_hole) +
+        " whose images lie in filled holes, put to the faces around them");
+  }
+}
+
+/// Hands out the messages of a match one after the other.
+class Parts {
+ public:
+  Parts(std::shared_ptr<const MatchedMeshes> match, bool omit_arrays, bool inverse)
+      : match_(std::move(match)), arrays_(arraysOf(*match_, omit_arrays, inverse)) {}
+
+  std::optional<v1::MatchSurfacesResponse> next() {
+    if (done_) return {};
+    v1::MatchSurfacesResponse response;
+    if (!arrays_.done()) {
+      arrays_.fill(*response.mutable_array());
+      return response;
+    }
+    *response.mutable_match() = match_->result;
+    done_ = true;
+    return response;
+  }
+
+ private:
+  static std::vector<ArrayView> arraysOf(const MatchedMeshes& match, bool omit_arrays,
+                                         bool inverse) {
+    if (omit_arrays) return {};
+    std::vector<ArrayView> arrays = {viewOf(v1::ArrayChunk::IMAGE_FACES, 1, match.map.faces),
+                                     viewOf(v1::ArrayChunk::IMAGE_WEIGHTS, 3, match.map.weights)};
+    if (!inverse) return arrays;
+    arrays.push_back(viewOf(v1::ArrayChunk::INVERSE_FACES, 1, match.inverse.faces));
+    arrays.push_back(viewOf(v1::ArrayChunk::INVERSE_WEIGHTS, 3, match.inverse.weights));
+    return arrays;
+  }
+
+  std::shared_ptr<const MatchedMeshes> match_;
+  ArrayChunks arrays_;
+  bool done_ = false;
+};
+
+}  // namespace
+
+Result<MatchedMeshes> matchMeshes(Context& context, const Backend& backend,
+                                  const v1::MatchSurfacesRequest& request) {
+  ASSIGN_OR_RETURN(const Side a,
+                   loadSide(context, backend, request.a(), request.prepare(), "the first surface"));
+  ASSIGN_OR_RETURN(const Side b, loadSide(context, backend, request.b(), request.prepare(),
+                                          "the second surface"));
+  MatchOptions options = fromProto(request.options());
+  ASSIGN_OR_RETURN(options.landmarks, matchLandmarks(request.options(), a.subject, b.subject));
+  ASSIGN_OR_RETURN(const SurfaceMatch match, matchSurfaces(context, a.subject.prepared->mesh,
+                                                           b.subject.prepared->mesh, options));
+  MatchedMeshes result;
+  result.result = toProto(match);
+  result.map = inputPoints(a.subject, b.subject, match.images);
+  if (request.inverse()) result.inverse = inputPoints(b.subject, a.subject, match.inverse);
+  v1::MatchCertificate& certificate = *result.result.mutable_certificate();
+  addWarnings(a, result.map, certificate);
+  addWarnings(b, result.inverse, certificate);
+  result.result.mutable_timing()->insert(context.timing().begin(), context.timing().end());
+  return result;
+}
+
+std::function<std::optional<v1::MatchSurfacesResponse>()> matchParts(
+    std::shared_ptr<const MatchedMeshes> match, const v1::MatchSurfacesRequest& request) {
+  const auto parts =
+      std::make_shared<Parts>(std::move(match), request.omit_arrays(), request.inverse());
+  return [parts] { return parts->next(); };
+}
+
+}  // namespace moduli

@@ -1,0 +1,236 @@
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "core/mesh/samples.h"
+#include "core/mesh/write.h"
+#include "tests/client/cli_test.h"
+#include "tests/core/matching/renumbered.h"
+
+/// match: maps from one surface to another, as files, words and pictures.
+namespace moduli {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+using testing::UnorderedElementsAre;
+
+/// An ellipsoid with a lump: no symmetry. 252 vertices, 500 faces.
+TriangleSoup lumpy() {
+  TriangleSoup soup = *makeSample("sphere", {{"resolution", 5}, {"seed", 3}});
+  for (Eigen::Vector3d& p : soup.vertices) {
+    const double lump = std::exp(4 * (p.dot(Eigen::Vector3d(0.6, 0.48, 0.64)) - 1));
+    p = Eigen::Vector3d(p.x(), 1.2 * p.y(), 0.9 * p.z()) * (1 + 0.4 * lump);
+  }
+  return soup;
+}
+
+std::string off(const TriangleSoup& soup) {
+  return *writeMesh(soup, MeshFormat::kOff);
+}
+
+/// A map as its file has it.
+struct Row {
+  Index vertex = kNone, face = kNone;
+  std::array<double, 3> weights = {0, 0, 0};
+};
+
+std::vector<Row> parseMap(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line;
+  EXPECT_TRUE(std::getline(lines, line));
+  EXPECT_EQ(line, "vertex,face,b0,b1,b2");
+  std::vector<Row> rows;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::vector<std::string> numbers;
+    for (std::string word; std::getline(words, word, ',');) numbers.push_back(word);
+    EXPECT_EQ(numbers.size(), 5U) << line;
+    if (numbers.size() != 5) return rows;
+    Row row{std::atoi(numbers[0].c_str()), std::atoi(numbers[1].c_str()), {}};
+    for (int c = 0; c < 3; ++c) row.weights[c] = std::strtod(numbers[2 + c].c_str(), nullptr);
+    EXPECT_EQ(row.vertex, static_cast<Index>(rows.size()));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+/// The vertex of a surface that a row is, to the last bit; kNone where it is none.
+Index vertexOf(const Row& row, const TriangleSoup& soup) {
+  for (int c = 0; c < 3; ++c) {
+    if (row.weights[c] == 1) return soup.faces[row.face][c];
+  }
+  return kNone;
+}
+
+Eigen::Vector3d placeOf(const Row& row, const TriangleSoup& soup) {
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  for (int c = 0; c < 3; ++c) p += row.weights[c] * soup.vertices[soup.faces[row.face][c]];
+  return p;
+}
+
+class Match : public CliTest {
+ protected:
+  Match() : copy_(renumbered(lumpy(), 5)) {
+    write("a.off", off(lumpy()));
+    write("b.off", off(moved(copy_.soup)));
+  }
+
+  const Renumbered copy_;  ///< b.off, where a.off is.
+};
+
+TEST_F(Match, ARenumberedCopyIsTheIdentityInBothDirections) {
+  const ProcessResult result =
+      run({"match", "a.off", "b.off", "-o", "map.csv", "--inverse", "back.csv"});
+  ASSERT_THAT(result, Succeeds());
+  EXPECT_THAT(result.out, StartsWith("a.off to b.off\n  distance      "));
+  EXPECT_THAT(result.out, HasSubstr("\n  method        SAME_TRIANGULATION\n"));
+  EXPECT_THAT(result.out, HasSubstr("0 flipped faces, dilatation 1 on average"));
+  EXPECT_THAT(result.out, testing::EndsWith("\nmap.csv: 252 vertices\nback.csv: 252 vertices\n"));
+  const std::vector<Row> map = parseMap(read("map.csv")), back = parseMap(read("back.csv"));
+  ASSERT_EQ(map.size(), 252U);
+  ASSERT_EQ(back.size(), 252U);
+  for (Index v = 0; v < 252; ++v) {
+    EXPECT_EQ(vertexOf(map[v], copy_.soup), copy_.image[v]);
+    EXPECT_EQ(vertexOf(back[copy_.image[v]], lumpy()), v);
+  }
+}
+
+TEST_F(Match, JsonIsTheResultAlone) {
+  const Json match = json({"match", "a.off", "b.off"});
+  EXPECT_THAT(match.keys(),
+              UnorderedElementsAre("distance", "method", "certificate", "alternatives", "timing"));
+  // The triangulation is an icosahedron's: which of its symmetries is meant, the modes tell.
+  EXPECT_THAT(
+      match["certificate"].keys(),
+      UnorderedElementsAre("flipped_faces", "mean_dilatation", "dilatation_95", "max_dilatation",
+                           "area_distortion", "cycle_error", "defect", "warnings"));
+  EXPECT_EQ(match["certificate"]["flipped_faces"].number(), 0);
+  // Singular values are equal to the root of what rounding leaves of their squares: some 2^-26.
+  EXPECT_LT(match["distance"].number(), 1e-7);
+  EXPECT_LT(match["certificate"]["cycle_error"].number(), 1e-9);
+}
+
+TEST_F(Match, BySurfacesAloneACopyIsNearlyTheIdentity) {
+  const std::vector<std::string> words = {"match", "a.off", "b.off",  "--same-triangulation",
+                                          "off",   "-o",    "map.csv"};
+  const Json match = json(words);
+  EXPECT_NE(match["method"].string(), "SAME_TRIANGULATION");
+  EXPECT_EQ(match["certificate"]["flipped_faces"].number(), 0);
+  EXPECT_GE(match["certificate"]["defect"].number(), 0);
+  // Within an edge's length, about a third; the mean of all within a tenth of that.
+  double sum = 0;
+  const std::vector<Row> map = parseMap(read("map.csv"));
+  ASSERT_EQ(map.size(), 252U);
+  for (Index v = 0; v < 252; ++v) {
+    sum += (placeOf(map[v], copy_.soup) - lumpy().vertices[v]).norm();
+  }
+  EXPECT_LT(sum / 252, 0.03);
+}
+
+TEST_F(Match, LandmarksAreMet) {
+  std::ostringstream lines;
+  lines << "# vertices\n";
+  for (const int v : {3, 40, 100, 200}) lines << v << " " << copy_.image[v] << "\n";
+  write("marks.txt", lines.str());
+  const std::vector<std::string> words = {"match",     "a.off", "b.off",  "--landmarks",
+                                          "marks.txt", "-o",    "map.csv"};
+  const Json match = json(words);
+  EXPECT_NE(match["method"].string(), "SAME_TRIANGULATION");
+  EXPECT_EQ(match["certificate"]["flipped_faces"].number(), 0);
+  EXPECT_LT(match["certificate"]["landmark_error"].number(), 1e-9);
+  const std::vector<Row> map = parseMap(read("map.csv"));
+  ASSERT_EQ(map.size(), 252U);
+  for (const int v : {3, 40, 100, 200}) {
+    EXPECT_LT((placeOf(map[v], copy_.soup) - lumpy().vertices[v]).norm(), 1e-9);
+  }
+  EXPECT_THAT(run(words).out, HasSubstr("landmarks are met up to "));
+  // What is wrong with them is told by line.
+  write("marks.txt", "3 3\n4 252\n");
+  expectRefusal(words, "error: marks.txt:2: on the second surface: a landmark at vertex 252, but");
+  write("marks.txt", "3\n");
+  expectRefusal(words, "error: marks.txt:1: has 1 word instead of two vertices");
+}
+
+TEST_F(Match, AMirrorImageIsMetTurnedOver) {
+  const TriangleSoup mirror = mirrored(lumpy());
+  write("m.off", off(mirror));
+  ASSERT_THAT(run({"match", "a.off", "m.off", "--mirror", "-o", "map.csv"}), Succeeds());
+  const std::vector<Row> map = parseMap(read("map.csv"));
+  ASSERT_EQ(map.size(), 252U);
+  for (Index v = 0; v < 252; ++v) EXPECT_EQ(vertexOf(map[v], mirror), v);
+}
+
+TEST_F(Match, OtherTopologiesAreRefusedWithWhatWouldHelp) {
+  sample("torus.off", {"torus", "resolution=6"});
+  expectRefusal({"match", "a.off", "torus.off", "-o", "map.csv"},
+                "error: a.off and torus.off: the surfaces are not of one topology: genus 0, "
+                "closed, and genus 1, closed (UNSUPPORTED_TOPOLOGY); ");
+  EXPECT_FALSE(exists("map.csv"));
+  TriangleSoup open = lumpy();
+  open.faces.pop_back();
+  write("open.off", off(open));
+  expectRefusal({"match", "open.off", "b.off"}, "genus 0 with 1 boundary loop");
+  EXPECT_THAT(run({"match", "open.off", "b.off"}).err, HasSubstr("; --fill-holes closes holes of"));
+  const ProcessResult filled = run({"match", "open.off", "b.off", "--fill-holes", "-o", "map.csv"});
+  ASSERT_THAT(filled, Succeeds());
+  EXPECT_THAT(filled.out, HasSubstr("\n  warning       open.off: REPAIRED: "));
+  const std::vector<Row> map = parseMap(read("map.csv"));
+  ASSERT_EQ(map.size(), 252U);
+  for (Index v = 0; v < 252; ++v) EXPECT_EQ(vertexOf(map[v], copy_.soup), copy_.image[v]);
+}
+
+TEST_F(Match, StoredShapesAreMatched) {
+  ASSERT_THAT(run({"add", "-c", "lumps", "a.off", "b.off"}), Succeeds());
+  ASSERT_THAT(run({"match", "lumps/a", "lumps/b", "-o", "map.csv", "--picture", "map.png"}),
+              Succeeds());
+  const std::vector<Row> map = parseMap(read("map.csv"));
+  ASSERT_EQ(map.size(), 252U);
+  for (Index v = 0; v < 252; ++v) EXPECT_EQ(vertexOf(map[v], copy_.soup), copy_.image[v]);
+  EXPECT_THAT(read("map.png"), StartsWith("\x89PNG"));
+  expectRefusal({"match", "lumps/a", "lumps/c"}, "c");
+}
+
+TEST_F(Match, APictureIsMadeInItsSize) {
+  ASSERT_THAT(run({"match", "a.off", "b.off", "--picture", "map.png", "--size", "300x200", "--view",
+                   "front"}),
+              Succeeds());
+  const std::string png = read("map.png");
+  ASSERT_THAT(png, StartsWith("\x89PNG"));
+  EXPECT_EQ(png.substr(16, 8), std::string("\0\0\x01\x2c\0\0\0\xc8", 8));
+}
+
+TEST_F(Match, WhatDoesNotGoTogetherIsAUsageError) {
+  const auto usage = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), "match");
+    const ProcessResult result = run(words);
+    EXPECT_THAT(result, IsUsageError());
+    return result.err;
+  };
+  usage({"a.off"});
+  EXPECT_THAT(usage({"-", "-"}), HasSubstr("only one of the two can come from standard input"));
+  EXPECT_THAT(usage({"a.off", "b.off", "-o", "m.csv", "--inverse", "m.csv"}),
+              HasSubstr("name the same file"));
+  EXPECT_THAT(usage({"a.off", "b.off", "--picture", "m.svg"}), HasSubstr("written as PNG"));
+  EXPECT_THAT(usage({"a.off", "b.off", "--size", "300x200"}), HasSubstr("that of a --picture"));
+  EXPECT_THAT(usage({"a.off", "b.off", "--picture", "m.png", "--size", "3"}), HasSubstr("no size"));
+  usage({"a.off", "b.off", "--same-triangulation", "maybe"});
+}
+
+TEST_F(Match, NothingIsLeftWhereNothingCanBeWrittenOrRead) {
+  EXPECT_THAT(run({"match", "a.off", "b.off", "-o", "none/map.csv"}), FailsWithOneLine());
+  EXPECT_THAT(run({"match", "a.off", "none.off", "-o", "map.csv"}).err,
+              HasSubstr("error: none.off: no such file"));
+  EXPECT_FALSE(exists("map.csv"));
+  expectRefusal({"match", "a.off", "b.off", "--landmarks", "none.txt"}, "none.txt");
+}
+
+TEST_F(Match, StandardInputIsOneOfTheTwo) {
+  Process::Options options;
+  options.input = off(lumpy());
+  EXPECT_THAT(run({"match", "-", "b.off", "--quiet"}, options), Succeeds());
+}
+
+}  // namespace
+}  // namespace moduli
