@@ -32,9 +32,8 @@ void expectLengthsOfSignature(const Parameterization& map, const TriangleSoup& s
   }
   if (!boundary.empty()) return;
   // Pictures show those up to 1.5 times the shortest; signatures list more where that is short.
-  const auto shown = std::count_if(spectrum.begin(), spectrum.end(), [&](double length) {
-    return length <= 1.5 * spectrum.front();
-  });
+  const auto shown = std::count_if(spectrum.begin(), spectrum.end(),
+                                   [&](double length) { return length <= 1.5 * spectrum.front(); });
   EXPECT_EQ(lengths.size(), std::min<std::size_t>(12, static_cast<std::size_t>(shown)));
 }
 
