@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/context.h"
+#include "core/matching/cover_map.h"
+
+/// Maps between covers at points that are no vertices of the source: faces go to straight triangles
+/// of the other surface's metric, a combination of corners to that of their vectors.
+namespace moduli {
+
+/// Where a point of A goes. map: without folded faces. O(faces on the way from the first corner).
+SurfacePoint imageOf(const Connectivity& surface, const CoverSurface& cover, const CoverMap& map,
+                     const SurfacePoint& point);
+
+/// Per vertex of B the point of A that goes there: its place in the triangulation that A's faces
+/// are of B, found from that of a neighbour. map: without folded faces. Fails with kCancelled and
+/// kDeadlineExceeded. O(V_B steps).
+Result<std::vector<SurfacePoint>> invertCoverMap(Context& context, const Connectivity& surface,
+                                                 const CoverSurface& cover, const CoverMap& map);
+
+}  // namespace moduli

@@ -1,0 +1,66 @@
+#include "core/matching/cover_map.h"
+
+#include "core/spherical/exact_sign.h"
+
+namespace moduli {
+namespace {
+
+using Eigen::Vector3d;
+
+std::vector<Motion> framesOf(const CoverSurface& cover, const CoverMap& map) {
+  const CoverPlane plane = cover.plane();
+  std::vector<Motion> frames;
+  for (const Vector3d& place : map.places) frames.push_back(plane.shift(plane.wayTo(place)));
+  return frames;
+}
+
+}  // namespace
+
+VertexLinks linksOf(const Connectivity& surface, const CoverSurface& cover, const CoverMap& map) {
+  const CoverPlane plane = cover.plane();
+  const std::vector<Motion> frames = framesOf(cover, map);
+  VertexLinks links(surface.halfedgeCount());
+  for (Index e = 0; e < surface.edgeCount(); ++e) {
+    const Index h = surface.halfedge(e);
+    links[h] = plane.normalized(Motion(plane.inverse(frames[surface.tail(h)]) * map.transitions[h] *
+                                       frames[surface.head(h)]));
+    links[surface.twin(h)] = plane.inverse(links[h]);
+  }
+  return links;
+}
+
+CoverMap moved(const Connectivity& surface, const CoverSurface& cover, const CoverMap& map,
+               const std::vector<Motion>& moves) {
+  const CoverPlane plane = cover.plane();
+  const std::vector<Motion> frames = framesOf(cover, map);
+  CoverMap result;
+  std::vector<Motion> way;
+  for (Index v = 0; v < surface.vertexCount(); ++v) {
+    const Vector3d goal = plane.normalized(Vector3d(frames[v] * moves[v].col(2)));
+    const CoverArrival end = walkStraight(cover, map.images[v].face, map.places[v], goal);
+    result.images.push_back(cover.pointAt(end.face, end.place));
+    result.places.push_back(end.place);
+    way.push_back(end.motion);
+  }
+  result.transitions.resize(surface.halfedgeCount());
+  for (Index e = 0; e < surface.edgeCount(); ++e) {
+    const Index h = surface.halfedge(e);
+    result.transitions[h] = plane.normalized(
+        Motion(plane.inverse(way[surface.tail(h)]) * map.transitions[h] * way[surface.head(h)]));
+    result.transitions[surface.twin(h)] = plane.inverse(result.transitions[h]);
+  }
+  return result;
+}
+
+Index countFolded(const Connectivity& surface, const CoverMap& map) {
+  Index folded = 0;
+  for (Index h = 0; h < surface.halfedgeCount(); h += 3) {
+    const Index back = surface.twin(h + 2);
+    const Vector3d second = map.transitions[h] * map.places[surface.head(h)];
+    const Vector3d third = map.transitions[back] * map.places[surface.head(back)];
+    folded += spherical::orientationSign(map.places[surface.tail(h)], second, third) <= 0;
+  }
+  return folded;
+}
+
+}  // namespace moduli

@@ -1,0 +1,316 @@
+#include "core/matching/target_links.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <queue>
+#include <string>
+#include <utility>
+
+#include "core/matching/close_links.h"
+
+namespace moduli {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kClosed = 1e-6;
+constexpr int kMostRounds = 12;
+
+/// Finds vertices from a point outwards, in the order of the lengths of the ways there along edges
+/// of the surface itself, and what these ways make of coordinates.
+class PathSearch {
+ public:
+  explicit PathSearch(const CoverSurface& cover)
+      : cover_(cover),
+        plane_(cover.geometry),
+        frames_(vertexFrames(cover)),
+        links_(ownLinks(cover, frames_)),
+        state_(cover.surface.vertexCount()),
+        most_(300 + cover.surface.vertexCount() / 100) {}
+
+  void start(const SurfacePoint& point) {
+    ++now_;
+    taken_ = 0;
+    queue_ = {};
+    face_ = point.face;
+    for (int c = 0; c < 3; ++c) {
+      const Index h = 3 * point.face + c;
+      queue_.push({toCorner(point, c), cover_.surface.tail(h), h, true});
+    }
+  }
+
+  /// From here on nothing is far away.
+  void searchAll() { most_ = cover_.surface.vertexCount(); }
+
+  /// From the coordinates of a point's face to those of the start, along the shortest way; nothing
+  /// where it is far away.
+  std::optional<Motion> find(const SurfacePoint& point) {
+    if (point.face == face_) return Motion::Identity();
+    std::array<double, 3> rest;
+    for (int c = 0; c < 3; ++c) rest[c] = toCorner(point, c);
+    while (true) {
+      int nearest = -1;
+      double least = 0;
+      for (int c = 0; c < 3; ++c) {
+        const State& corner = state_[cover_.surface.tail(3 * point.face + c)];
+        if (corner.round != now_) continue;
+        const double distance = corner.distance + rest[c];
+        if (nearest >= 0 && distance >= least) continue;
+        least = distance;
+        nearest = c;
+      }
+      if (nearest >= 0 && (queue_.empty() || queue_.top().distance >= least)) {
+        const Index h = 3 * point.face + nearest;
+        return plane_.normalized(
+            Motion(state_[cover_.surface.tail(h)].motion * plane_.inverse(frames_[h])));
+      }
+      if (queue_.empty() || taken_ >= most_) return std::nullopt;
+      takeNext();
+    }
+  }
+
+ private:
+  struct State {
+    int round = 0;
+    double distance = 0;
+    Motion motion;  ///< From the vertex' frame to the coordinates of the start.
+  };
+  struct Candidate {
+    double distance = 0;
+    Index vertex = kNone;
+    Index halfedge = kNone;  ///< That leads there, or whose tail it is in the face of the start.
+    bool is_first = false;
+    bool operator<(const Candidate& other) const {
+      return distance != other.distance ? distance > other.distance : halfedge > other.halfedge;
+    }
+  };
+
+  double length(Index h) const { return cover_.lengths[cover_.surface.edge(h)]; }
+
+  /// Within the face as the surface has it.
+  double toCorner(const SurfacePoint& point, int c) const {
+    const Index h = 3 * point.face + c;
+    const double p = point.barycentric[(c + 1) % 3], q = point.barycentric[(c + 2) % 3];
+    const double a = length(h), b = length(Connectivity::previous(h));
+    const double opposite = length(Connectivity::next(h));
+    const double square =
+        p * p * a * a + q * q * b * b + p * q * (a * a + b * b - opposite * opposite);
+    return std::sqrt(std::max(0.0, square));
+  }
+
+  void takeNext() {
+    const Candidate next = queue_.top();
+    queue_.pop();
+    State& state = state_[next.vertex];
+    if (state.round == now_) return;
+    ++taken_;
+    state.round = now_;
+    state.distance = next.distance;
+    const Connectivity& surface = cover_.surface;
+    const Index from = next.halfedge;
+    state.motion =
+        next.is_first ? frames_[from]
+                      : plane_.normalized(Motion(state_[surface.tail(from)].motion * links_[from]));
+    const Index first = surface.outgoing(next.vertex);
+    Index h = first;
+    do {
+      const Index beyond = surface.head(h);
+      if (state_[beyond].round != now_) {
+        queue_.push({next.distance + length(h), beyond, h, false});
+      }
+      h = surface.rotate(h);
+    } while (h != first);
+  }
+
+  const CoverSurface& cover_;
+  CoverPlane plane_;
+  std::vector<Motion> frames_;
+  VertexLinks links_;
+  std::vector<State> state_;
+  std::priority_queue<Candidate> queue_;
+  Index face_ = kNone;
+  int now_ = 0;
+  Index taken_ = 0, most_ = 0;
+};
+
+class Linking {
+ public:
+  Linking(Context& context, const Connectivity& surface, const CoverSurface& cover,
+          std::vector<SurfacePoint> targets)
+      : context_(context),
+        surface_(surface),
+        cover_(cover),
+        plane_(cover.geometry),
+        search_(cover),
+        transitions_(surface.halfedgeCount()),
+        known_(surface.edgeCount(), false),
+        replaced_(surface.vertexCount(), false) {
+    map_.images = std::move(targets);
+  }
+
+  Result<TargetLinks> run() {
+    const Context::Stage stage(context_, "homotopy");
+    RETURN_IF_ERROR(linkAround(std::vector<bool>(surface_.vertexCount(), true)));
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::vector<bool> wrong = wrongVertices(round);
+      if (wrong == replaced_) break;
+      if (std::count(wrong.begin(), wrong.end(), false) == 0)
+        return undetermined(surface_.faceCount());
+      replace(wrong);
+      RETURN_IF_ERROR(linkAround(wrong));
+    }
+    return finish();
+  }
+
+ private:
+  Status undetermined(std::ptrdiff_t count) const {
+    return {Reason::kNoConvergence,
+            "the places of vertices on the other surface contradict each other around " +
+                std::to_string(count) + " faces",
+            "they do not tell which handle goes to which"};
+  }
+
+  /// Short paths along all edges at these vertices.
+  Status linkAround(const std::vector<bool>& at) {
+    for (Index v = 0; v < surface_.vertexCount(); ++v) {
+      if (v % 1024 == 0) RETURN_IF_ERROR(context_.check());
+      bool started = false;
+      const Index first = surface_.outgoing(v);
+      Index h = first;
+      do {
+        // Each edge from its own tail, so that both ways are one.
+        if (surface_.sign(h) > 0 && (at[v] || at[surface_.head(h)])) {
+          if (!started) search_.start(map_.images[v]);
+          started = true;
+          link(h);
+        }
+        h = surface_.rotate(h);
+      } while (h != first);
+    }
+    return {};
+  }
+
+  void link(Index h) {
+    const std::optional<Motion> found = search_.find(map_.images[surface_.head(h)]);
+    known_[surface_.edge(h)] = found.has_value();
+    if (!found) return;
+    transitions_[h] = *found;
+    transitions_[surface_.twin(h)] = plane_.inverse(*found);
+  }
+
+  /// Vertices that were replaced, those at most of whose faces paths do not close, and from the
+  /// second round on those at faces with an edge whose ends are too far from each other, and from
+  /// the third on their neighbours.
+  std::vector<bool> wrongVertices(int round) const {
+    std::vector<int> degree(surface_.vertexCount(), 0), open(surface_.vertexCount(), 0);
+    std::vector<bool> wrong = replaced_;
+    for (Index f = 0; f < surface_.faceCount(); ++f) {
+      bool known = true;
+      for (Index h = 3 * f; h < 3 * f + 3; ++h) known = known && known_[surface_.edge(h)];
+      const bool closed = known && distanceToUnit(transitions_[3 * f] * transitions_[3 * f + 1] *
+                                                  transitions_[3 * f + 2]) < kClosed;
+      for (const Index v : surface_.face(f)) {
+        ++degree[v];
+        open[v] += !closed;
+        if (!known && round > 0) wrong[v] = true;
+      }
+    }
+    for (Index v = 0; v < surface_.vertexCount(); ++v) {
+      if (2 * open[v] > degree[v] && !replaced_[v]) wrong[v] = true;
+    }
+    return round > 1 && wrong != replaced_ ? widened(wrong) : wrong;
+  }
+
+  std::vector<bool> widened(const std::vector<bool>& set) const {
+    std::vector<bool> result = set;
+    for (Index h = 0; h < surface_.halfedgeCount(); ++h) {
+      if (set[surface_.tail(h)]) result[surface_.head(h)] = true;
+    }
+    return result;
+  }
+
+  /// The targets of the nearest vertices that are not wrong, by the number of edges.
+  void replace(const std::vector<bool>& wrong) {
+    std::vector<Index> queue;
+    std::vector<bool> done(surface_.vertexCount());
+    for (Index v = 0; v < surface_.vertexCount(); ++v) {
+      done[v] = !wrong[v];
+      if (done[v]) queue.push_back(v);
+    }
+    for (std::size_t n = 0; n < queue.size(); ++n) {
+      const Index first = surface_.outgoing(queue[n]);
+      Index h = first;
+      do {
+        const Index next = surface_.head(h);
+        if (!done[next]) {
+          done[next] = true;
+          replaced_[next] = true;
+          map_.images[next] = map_.images[queue[n]];
+          queue.push_back(next);
+        }
+        h = surface_.rotate(h);
+      } while (h != first);
+    }
+  }
+
+  Result<TargetLinks> finish() {
+    TargetLinks result;
+    search_.searchAll();
+    for (Index e = 0; e < surface_.edgeCount(); ++e) {
+      if (known_[e]) continue;
+      RETURN_IF_ERROR(context_.check());
+      search_.start(map_.images[surface_.tail(surface_.halfedge(e))]);
+      link(surface_.halfedge(e));
+    }
+    for (const SurfacePoint& image : map_.images) map_.places.push_back(cover_.place(image));
+    ASSIGN_OR_RETURN(map_.transitions,
+                     closeLinks(context_, surface_, plane_, map_.places, std::move(transitions_)));
+    if (const auto open = openFaces(surface_, map_.transitions); !open.empty()) {
+      return undetermined(static_cast<std::ptrdiff_t>(open.size()));
+    }
+    const VertexLinks links = linksOf(surface_, cover_, map_);
+    result.closure = closureResidual(surface_, links);
+    result.degree = coveredArea(cover_.geometry, surface_, links) / cover_.area;
+    result.replaced = std::move(replaced_);
+    result.map = std::move(map_);
+    if (std::lround(result.degree) != 1) {
+      return Status(Reason::kNoConvergence,
+                    "the places of vertices on the other surface cover it " +
+                        std::to_string(std::lround(result.degree)) + " times, not once",
+                    "they do not tell which handle goes to which");
+    }
+    return result;
+  }
+
+  Context& context_;
+  const Connectivity& surface_;
+  const CoverSurface& cover_;
+  CoverPlane plane_;
+  PathSearch search_;
+  std::vector<Motion> transitions_;
+  std::vector<bool> known_;     ///< Per edge.
+  std::vector<bool> replaced_;  ///< Per vertex.
+  CoverMap map_;
+};
+
+}  // namespace
+
+Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
+                                const CoverSurface& cover, std::vector<SurfacePoint> targets) {
+  if (targets.size() != static_cast<std::size_t>(surface.vertexCount())) {
+    return Status(Reason::kInvalidOption, std::to_string(targets.size()) + " targets for " +
+                                              std::to_string(surface.vertexCount()) + " vertices");
+  }
+  if (surface.eulerCharacteristic() != cover.surface.eulerCharacteristic()) {
+    return Status(Reason::kUnsupportedTopology, "the surfaces have different numbers of handles");
+  }
+  for (std::size_t v = 0; v < targets.size(); ++v) {
+    RETURN_IF_ERROR(
+        checkSurfacePoint(cover.surface, targets[v], "the target of vertex " + std::to_string(v)));
+  }
+  return Linking(context, surface, cover, std::move(targets)).run();
+}
+
+}  // namespace moduli

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/context.h"
+#include "core/matching/cover_map.h"
+
+namespace moduli {
+
+/// The homotopy class that places of vertices determine.
+struct TargetLinks {
+  CoverMap map;                ///< At the targets, or where a neighbour's was taken instead.
+  std::vector<bool> replaced;  ///< Per vertex: whether its target contradicted its neighbours'.
+  double closure = 0;          ///< Of the products around faces, from 1.
+  double degree = 0;           ///< Covered area over the other surface's: whole up to rounding.
+};
+
+/// Joins the targets of neighbouring vertices by short paths along edges of the other surface.
+/// Where the paths around every face close, this is a homomorphism of the fundamental groups,
+/// whatever the marking: its relation holds. Vertices at most of whose faces they do not close, and
+/// those too far from their neighbours' targets for a search, get the target of the nearest vertex
+/// that is not so; faces that are open after that are closed by closeLinks.
+///
+/// targets: per vertex of `surface`. Fails with kInvalidOption (a target not on the surface),
+/// kUnsupportedTopology (a surface of another genus), with kNoConvergence where faces remain open
+/// and where the degree is not 1, the message naming it: only degree 1 makes the homomorphism one
+/// to one (-1: a mirror image), and as the context does. Some 50 steps of the search an edge. Stage
+/// "homotopy". Source: MATH 9.4; Kneser 1930 (degree).
+Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
+                                const CoverSurface& cover, std::vector<SurfacePoint> targets);
+
+}  // namespace moduli
