@@ -7,6 +7,7 @@
 
 #include "core/base/side_by_side.h"
 #include "core/base/text.h"
+#include "core/matching/match_handles.h"
 #include "core/matching/match_spheres.h"
 #include "core/matching/same_triangulation.h"
 #include "core/matching/spectral_match.h"
@@ -49,10 +50,10 @@ Status checkTopologies(const SurfaceTopology& a, const SurfaceTopology& b) {
             "the surfaces are not of one topology: " + topologyText(a) + ", and " + topologyText(b),
             topologyHint(a, b)};
   }
-  if (a.genus > 0 || !a.boundary_loops.empty()) {
+  if (!a.boundary_loops.empty()) {
     return {Reason::kUnsupportedTopology,
             "matching surfaces of " + topologyText(a) + " is not available",
-            "closed surfaces of genus 0 are"};
+            "closed ones can be matched; --fill-holes closes holes"};
   }
   return {};
 }
@@ -86,9 +87,7 @@ class Matching {
     result_.defect = guess.match.defect;
     const std::optional<std::size_t> nearest = clearlyNearest(same, guess.points);
     if (nearest) return takeTriangulation(same[*nearest]);
-    ASSIGN_OR_RETURN(SphereCorrespondence map, matchSpheres(context_, a_, b_, guess, options_));
-    result_.images = std::move(map.images);
-    result_.inverse = std::move(map.inverse);
+    RETURN_IF_ERROR(straighten(guess));
     return judged();
   }
 
@@ -101,6 +100,20 @@ class Matching {
       result_.inverse[image[v]] = vertexPoint(a_.connectivity(), v);
     }
     return judged();
+  }
+
+  /// From points that are nearly right to a map without folds.
+  Status straighten(const SpectralGuess& guess) {
+    if (a_.connectivity().eulerCharacteristic() == 2) {
+      ASSIGN_OR_RETURN(SphereCorrespondence map, matchSpheres(context_, a_, b_, guess, options_));
+      result_.images = std::move(map.images);
+      result_.inverse = std::move(map.inverse);
+      return {};
+    }
+    ASSIGN_OR_RETURN(HandleCorrespondence map, matchHandles(context_, a_, b_, guess.points));
+    result_.images = std::move(map.images);
+    result_.inverse = std::move(map.inverse);
+    return {};
   }
 
   /// Of several numberings the one that the points mean.
@@ -224,6 +237,11 @@ Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, cons
                                    const MatchOptions& options) {
   RETURN_IF_ERROR(
       checkTopologies(computeTopology(a.connectivity()), computeTopology(b.connectivity())));
+  if (!options.landmarks.empty() && a.connectivity().eulerCharacteristic() != 2) {
+    return Status(Reason::kUnsupportedTopology,
+                  "landmarks of surfaces with handles are not available",
+                  "match without them; landmarks are met on surfaces of genus 0");
+  }
   for (const MatchLandmark& landmark : options.landmarks) {
     RETURN_IF_ERROR(checkSurfacePoint(a.connectivity(), landmark.a, landmark.name));
     RETURN_IF_ERROR(checkSurfacePoint(b.connectivity(), landmark.b, landmark.name));

@@ -67,10 +67,10 @@ struct SurfaceMatch {
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
 /// keeps, whichever agrees better.
 ///
-/// a, b: connected, of one topology: closed of genus 0 so far. Fails with kUnsupportedTopology
-/// (naming both topologies), kNoCorrespondence, kFoldedMap, kInvalidOption (a landmark), as
-/// makeSpectralSurface and fitHomeomorphism do. Some seconds at 50,000 vertices.
-/// Source: MATH 9.
+/// a, b: closed, connected, of one genus; landmarks on genus 0 alone. Fails with
+/// kUnsupportedTopology (naming both topologies), kNoConvergence (no correspondence), kFoldedMap,
+/// kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism and matchHandles do. Some
+/// seconds at 50,000 vertices. Source: MATH 9.
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options = {});
 

@@ -172,6 +172,39 @@ TEST(MatchSurfaces, NamesTopologiesThatDiffer) {
   EXPECT_THAT(hole.status().hint(), testing::HasSubstr("--fill-holes"));
 }
 
+TEST(MatchSurfaces, SaysWhatIsNotAvailable) {
+  const TriangleMesh disk = meshOf(*makeSample("disk", {{"resolution", 6}}));
+  const TriangleMesh torus = meshOf(*makeSample("torus", {{"R", 2}, {"r", 1}, {"resolution", 8}}));
+  Context context;
+  const auto bordered = matchSurfaces(context, disk, disk, surfacesAlone());
+  EXPECT_THAT(bordered, FailsWith(Reason::kUnsupportedTopology));
+  EXPECT_THAT(bordered.status().hint(), testing::HasSubstr("--fill-holes"));
+  MatchOptions options;
+  options.landmarks.push_back({});
+  EXPECT_THAT(matchSurfaces(context, torus, torus, options),
+              FailsWith(Reason::kUnsupportedTopology));
+}
+
+// Genus 1, 2 and 4; moved limbs, and on other triangulations.
+TEST(MatchSurfaces, FollowsTheLimbsOfSurfacesWithHandles) {
+  for (const char* name :
+       {"genus1/ceaedf__rocker-arm2500.off", "genus2/odedstein__skull_low_resolution.obj",
+        "genus3plus/libigl-data__fertility.off"}) {
+    MODULI_NEED_SHARED_MESH(path, name);
+    Context context;
+    const TriangleSoup soup = *readMeshFile(context, path);
+    SampleRandom random(2);
+    const TriangleSoup posed = articulated(soup, random);
+    const TriangleMesh a = meshOf(soup), b = meshOf(simplified(posed, posed.faces.size() * 7 / 10));
+    const SurfaceMatch found = match(a, b);
+    const auto error = errors(found, b, posed.vertices);
+    EXPECT_LE(mean(error), 0.03) << name;
+    EXPECT_LE(error[error.size() * 9 / 10], 0.1) << name;
+    EXPECT_EQ(found.report.folded_faces, 0) << name;
+    EXPECT_LE(found.cycle_error, 0.005) << name;
+  }
+}
+
 TEST(MatchSurfaces, StopsWhenCancelled) {
   const TriangleMesh a = meshOf(lump(8, 1)), b = meshOf(lump(9, 2));
   Context context;
