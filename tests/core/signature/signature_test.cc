@@ -115,10 +115,11 @@ TEST_P(SpheroidSignature, ForgetsTheTriangulation) {
   }
   EXPECT_LT(metric[1], 0.01);
   EXPECT_LT(shape[1], 0.02);
-  // Coarse meshes are refined before modes and curvatures are found: less than the 16 of a second
-  // order that starts from what they are.
-  EXPECT_GT(metric[0] / metric[1], 3);
-  EXPECT_GT(shape[0] / shape[1], 3);
+  // Coarse meshes are refined before modes are found, so that their metric vectors are as near as
+  // those of fine ones. Their places in space are what they are: less than the 16 of a second order
+  // for curvatures, which are smoothed.
+  EXPECT_LT(metric[0], 0.01);
+  EXPECT_GT(shape[0] / shape[1], 3) << shape[0] << ' ' << shape[1];
 }
 
 INSTANTIATE_TEST_SUITE_P(OblateAndProlate, SpheroidSignature, testing::Values(0.5, 2.0));
