@@ -94,6 +94,8 @@ class Matching {
  private:
   Result<SurfaceMatch> takeTriangulation(const std::vector<Index>& image) {
     result_.method = MatchMethod::kSameTriangulation;
+    result_.defect.reset();
+    result_.alternatives.clear();
     result_.inverse.resize(image.size());
     for (Index v = 0; v < a_.vertexCount(); ++v) {
       result_.images.push_back(vertexPoint(b_.connectivity(), image[v]));
@@ -170,12 +172,21 @@ class Matching {
                     "correspond");
     }
     const bool mobius = guesses.front().match.defect * kMobiusShare > guesses.back().match.defect;
+    SpectralGuess& best = mobius ? guesses.back() : guesses.front();
+    listOthers(std::move(all), best);
+    return std::move(best);
+  }
+
+  /// The matches that are nearly as good as the chosen one, or better.
+  void listOthers(std::vector<MatchAlternative> all, const SpectralGuess& chosen) {
     std::stable_sort(all.begin(), all.end(),
                      [](const auto& x, const auto& y) { return x.defect < y.defect; });
-    for (std::size_t i = 1; i < all.size(); ++i) {
-      if (all[i].defect < kNearlyAsGood * all[0].defect) result_.alternatives.push_back(all[i]);
+    bool met = false;
+    for (const MatchAlternative& other : all) {
+      const bool same = other.method == chosen.method && other.defect == chosen.match.defect;
+      if (same && !std::exchange(met, true)) continue;
+      if (other.defect < kNearlyAsGood * chosen.match.defect) result_.alternatives.push_back(other);
     }
-    return std::move(mobius ? guesses.back() : guesses.front());
   }
 
   /// Adds the best match by one metric, if there is any.

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
+#include <tuple>
 
 #include "core/mesh/samples.h"
 #include "core/mesh/write.h"
@@ -179,6 +180,35 @@ TEST_F(Match, OtherTopologiesAreRefusedWithWhatWouldHelp) {
   const std::vector<Row> map = parseMap(read("map.csv"));
   ASSERT_EQ(map.size(), 252U);
   for (Index v = 0; v < 252; ++v) EXPECT_EQ(vertexOf(map[v], copy_.soup), copy_.image[v]);
+}
+
+TEST_F(Match, SurfacesWithHandlesAreMatched) {
+  // Two triangulations of a torus, and of a surface of genus 2.
+  sample("t1.off", {"torus", "R=2", "resolution=16"});
+  sample("t2.off", {"torus", "R=2", "resolution=14", "seed=3"});
+  sample("g1.off", {"genus", "genus=2", "resolution=4"});
+  sample("g2.off", {"genus", "genus=2", "resolution=4", "seed=5"});
+  for (const std::string kind : {"t", "g"}) {
+    SCOPED_TRACE(kind);
+    const std::string a = kind + "1.off", b = kind + "2.off";
+    const Json match =
+        json({"match", a, b, "-o", "map.csv", "--inverse", "back.csv", "--picture", "map.png"});
+    EXPECT_EQ(match["certificate"]["flipped_faces"].number(), 0);
+    EXPECT_NE(match["method"].string(), "SAME_TRIANGULATION");
+    for (const auto& [file, from, to] :
+         {std::tuple{"map.csv", a, b}, std::tuple{"back.csv", b, a}}) {
+      const std::vector<Row> map = parseMap(read(file));
+      EXPECT_EQ(map.size(), json({"inspect", from})["topology"]["vertices"].number());
+      const double faces = json({"inspect", to})["topology"]["faces"].number();
+      for (const Row& row : map) {
+        EXPECT_GE(row.face, 0);
+        EXPECT_LT(row.face, faces);
+        EXPECT_NEAR(row.weights[0] + row.weights[1] + row.weights[2], 1, 1e-12);
+      }
+    }
+  }
+  write("marks.txt", "1 1\n");
+  expectRefusal({"match", "t1.off", "t2.off", "--landmarks", "marks.txt"}, "UNSUPPORTED_TOPOLOGY");
 }
 
 TEST_F(Match, StoredShapesAreMatched) {
