@@ -67,11 +67,6 @@ TEST(MatchSurfaces, IsTheIdentityOnARenumberedCopy) {
   EXPECT_LE(errors(found, b, carried(other)).back(), 1e-12);
   EXPECT_LE(found.distance, 1e-7);  // The root of rounding.
   EXPECT_EQ(found.report.folded_faces, 0);
-  for (Index v = 0; v < a.vertexCount(); ++v) {
-    EXPECT_EQ(a.connectivity().face(found.inverse[other.image[v]].face)[0] == v ||
-                  found.inverse[other.image[v]].barycentric[0] < 1,
-              true);
-  }
   EXPECT_LE(found.cycle_error, 1e-12);
 }
 
@@ -185,26 +180,6 @@ TEST(MatchSurfaces, SaysWhatIsNotAvailable) {
               FailsWith(Reason::kUnsupportedTopology));
 }
 
-// Genus 1, 2 and 4; moved limbs, and on other triangulations.
-TEST(MatchSurfaces, FollowsTheLimbsOfSurfacesWithHandles) {
-  for (const char* name :
-       {"genus1/ceaedf__rocker-arm2500.off", "genus2/odedstein__skull_low_resolution.obj",
-        "genus3plus/libigl-data__fertility.off"}) {
-    MODULI_NEED_SHARED_MESH(path, name);
-    Context context;
-    const TriangleSoup soup = *readMeshFile(context, path);
-    SampleRandom random(2);
-    const TriangleSoup posed = articulated(soup, random);
-    const TriangleMesh a = meshOf(soup), b = meshOf(simplified(posed, posed.faces.size() * 7 / 10));
-    const SurfaceMatch found = match(a, b);
-    const auto error = errors(found, b, posed.vertices);
-    EXPECT_LE(mean(error), 0.03) << name;
-    EXPECT_LE(error[error.size() * 9 / 10], 0.1) << name;
-    EXPECT_EQ(found.report.folded_faces, 0) << name;
-    EXPECT_LE(found.cycle_error, 0.005) << name;
-  }
-}
-
 TEST(MatchSurfaces, StopsWhenCancelled) {
   const TriangleMesh a = meshOf(lump(8, 1)), b = meshOf(lump(9, 2));
   Context context;
@@ -214,22 +189,28 @@ TEST(MatchSurfaces, StopsWhenCancelled) {
   EXPECT_THAT(matchSurfaces(context, a, b), FailsWith(Reason::kCancelled));
 }
 
-// Limbs turned by 25 to 40 degrees, and half as coarse: what belongs where is known all the same.
-TEST(MatchSurfaces, FollowsTheLimbsOfRealMeshesOnOtherTriangulations) {
-  for (const char* name : {"closed_g0/alec__spot.obj", "closed_g0/alec__homer.obj",
-                           "closed_g0/odedstein__penguin.obj"}) {
-    MODULI_NEED_SHARED_MESH(path, name);
-    Context context;
-    const TriangleSoup soup = *readMeshFile(context, path);
-    SampleRandom random(1);
-    const TriangleSoup posed = articulated(soup, random);
-    const TriangleMesh a = meshOf(soup), b = meshOf(simplified(posed, posed.faces.size() * 7 / 10));
-    const SurfaceMatch found = match(a, b);
-    const auto error = errors(found, b, posed.vertices);
-    EXPECT_LE(mean(error), 0.03) << name;
-    EXPECT_LE(error[error.size() * 9 / 10], 0.1) << name;
-    EXPECT_EQ(found.report.folded_faces, 0) << name;
-  }
+// Limbs turned by 25 to 40 degrees, on another triangulation: what belongs where is known.
+class RealMesh : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(WithTurnedLimbs, RealMesh,
+                         testing::Values("closed_g0/alec__spot.obj", "closed_g0/alec__homer.obj",
+                                         "closed_g0/odedstein__penguin.obj",
+                                         "genus1/ceaedf__rocker-arm2500.off",
+                                         "genus2/odedstein__skull_low_resolution.obj",
+                                         "genus3plus/libigl-data__fertility.off"));
+
+TEST_P(RealMesh, IsFollowedWhereItGoes) {
+  MODULI_NEED_SHARED_MESH(path, GetParam());
+  Context context;
+  const TriangleSoup soup = *readMeshFile(context, path);
+  SampleRandom random(2);
+  const TriangleSoup posed = articulated(soup, random);
+  const TriangleMesh a = meshOf(soup), b = meshOf(simplified(posed, posed.faces.size() * 7 / 10));
+  const SurfaceMatch found = match(a, b);
+  const auto error = errors(found, b, posed.vertices);
+  EXPECT_LE(mean(error), 0.03);
+  EXPECT_LE(error[error.size() * 9 / 10], 0.1);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  EXPECT_LE(found.cycle_error, 0.005);
 }
 
 }  // namespace
