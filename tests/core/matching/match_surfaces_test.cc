@@ -113,6 +113,19 @@ TEST(MatchSurfaces, TurnsOverForAMirrorImage) {
   EXPECT_LE(found.cycle_error, 0.006);
 }
 
+TEST(MatchSurfaces, MeetsTheVerticesOfAMirroredCopy) {
+  // Exactly: a corner for another is an edge's length.
+  const TriangleSoup soup = lump(12, 1);
+  const TriangleSoup irregular = simplified(soup, soup.faces.size() - 40);
+  const Renumbered other = renumbered(mirrored(irregular), 4);
+  const TriangleMesh a = meshOf(irregular), b = meshOf(other.soup);
+  MatchOptions options;
+  options.mirror = true;
+  const SurfaceMatch found = match(a, b, options);
+  EXPECT_EQ(found.method, MatchMethod::kSameTriangulation);
+  EXPECT_LE(errors(found, b, carried(other)).back(), 1e-12);
+}
+
 TEST(MatchSurfaces, MatchesAnInversionOfSpaceConformally) {
   const TriangleSoup soup = lump(24, 1);
   SampleRandom random(3);
