@@ -52,14 +52,16 @@ CoverMap moved(const Connectivity& surface, const CoverSurface& cover, const Cov
   return result;
 }
 
+bool isFolded(const Connectivity& surface, const CoverMap& map, Index face) {
+  const Index h = 3 * face, back = surface.twin(h + 2);
+  const Vector3d second = map.transitions[h] * map.places[surface.head(h)];
+  const Vector3d third = map.transitions[back] * map.places[surface.head(back)];
+  return spherical::orientationSign(map.places[surface.tail(h)], second, third) <= 0;
+}
+
 Index countFolded(const Connectivity& surface, const CoverMap& map) {
   Index folded = 0;
-  for (Index h = 0; h < surface.halfedgeCount(); h += 3) {
-    const Index back = surface.twin(h + 2);
-    const Vector3d second = map.transitions[h] * map.places[surface.head(h)];
-    const Vector3d third = map.transitions[back] * map.places[surface.head(back)];
-    folded += spherical::orientationSign(map.places[surface.tail(h)], second, third) <= 0;
-  }
+  for (Index f = 0; f < surface.faceCount(); ++f) folded += isFolded(surface, map, f) ? 1 : 0;
   return folded;
 }
 

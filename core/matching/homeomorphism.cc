@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/matching/refinement.h"
 #include "core/matching/relaxation.h"
+#include "core/matching/settling.h"
 #include "core/matching/thinning.h"
 
 namespace moduli {
@@ -17,12 +19,13 @@ using Positions = std::vector<Eigen::Vector3d>;
 
 Status checkOptions(const HomeomorphismOptions& options) {
   const bool good = options.smoothing > 0 && std::isfinite(options.smoothing) &&
+                    options.last_smoothing > 0 && std::isfinite(options.last_smoothing) &&
                     options.outlier > 0 && std::isfinite(options.outlier) &&
                     options.coarse_vertices >= 4 && options.coarse_sweeps >= 0 &&
                     options.sweeps >= 0 && options.tolerance >= 0;
   if (good) return {};
   return {Reason::kInvalidOption,
-          "a homeomorphism needs a smoothing and an outlier distance above 0, at least 4 coarse "
+          "a homeomorphism needs smoothings and an outlier distance above 0, at least 4 coarse "
           "vertices and no negative sweeps or tolerance"};
 }
 
@@ -212,18 +215,69 @@ class Fitting {
     return true;
   }
 
-  /// Up to all vertices.
+  /// Up to all vertices, and then at rest.
   Status finish(Relaxation& map) {
-    const Context::Stage stage(context_, "refine");
     map.setAttractions(attractions_);
     map.setPull(pull(), options_.outlier);
+    RETURN_IF_ERROR(refineToAll(map));
+    if (!(options_.last_smoothing > options_.smoothing)) return {};
+    RETURN_IF_ERROR(settle(context_, a_.surface, domain_, attractions_, map, settling()));
+    return smoothCrumples(map);
+  }
+
+  Status refineToAll(Relaxation& map, double wildest = kWild) {
+    const Context::Stage stage(context_, "refine");
     const Index all = a_.surface.vertexCount();
-    if (map.mesh().vertexCount() < all) return refine(map, all);
+    if (map.mesh().vertexCount() < all) return refine(map, all, wildest);
     return map.relaxAll(context_, map.inSweepOrder(), options_.sweeps, options_.tolerance);
   }
 
+  /// While faces are stuck: on coarse meshes of two sizes in turn, which have no room for what is
+  /// crumpled, and from there again. Keeps what helps.
+  Status smoothCrumples(Relaxation& map) {
+    int failures = 0;
+    for (int round = 0; round < kRounds && failures < 2 && !isAllTame(map, kStuck); ++round) {
+      ASSIGN_OR_RETURN(std::optional<Relaxation> again,
+                       onceMore(map, options_.coarse_vertices << (round % 2)));
+      ++failures;
+      if (!again) continue;
+      const double before = map.excess(map.present()), after = again->excess(again->present());
+      if (after < kLess * before) failures = 0;
+      if (after < before) map = *std::move(again);
+    }
+    return {};
+  }
+
+  /// The map by way of a coarse mesh of its own vertices. Nothing where that fails.
+  Result<std::optional<Relaxation>> onceMore(const Relaxation& map, Index size) {
+    std::optional<Relaxation> none;
+    Relaxation again(mesh_, positions_, domain_, attractions_);
+    for (const Index v : again.present()) again.setImage(v, map.image(v));
+    again.setPull(settling().pull, options_.outlier);
+    const FaceRule positive = [&](Index i, Index j, Index k) {
+      return SphereDomain::isPositive(again.image(i), again.image(j), again.image(k));
+    };
+    RETURN_IF_ERROR(thinEvenly(context_, again.mesh(), positions_,
+                               std::vector<char>(positions_.size(), 1), positive, size));
+    if (!thinUntilTame(again, kStuck)) return none;
+    RETURN_IF_ERROR(
+        again.relaxAll(context_, again.inSweepOrder(), options_.coarse_sweeps, options_.tolerance));
+    const Status status = refineToAll(again, kStuck);
+    if (status.reason() == Reason::kFoldedMap) return none;
+    RETURN_IF_ERROR(status);
+    RETURN_IF_ERROR(settle(context_, a_.surface, domain_, attractions_, again, settling()));
+    return std::optional(std::move(again));
+  }
+
+  SettlingOptions settling() const {
+    SettlingOptions result;
+    result.pull = 4 / (options_.last_smoothing * options_.last_smoothing);
+    result.scale = options_.outlier;
+    return result;
+  }
+
   /// Level by level, each with twice the vertices.
-  Status refine(Relaxation& map, Index wanted) {
+  Status refine(Relaxation& map, Index wanted, double wildest = kWild) {
     const Index most = std::min(wanted, a_.surface.vertexCount());
     while (map.mesh().vertexCount() < most) {
       const Index next = std::min(2 * map.mesh().vertexCount(), most);
@@ -231,14 +285,16 @@ class Fitting {
       const double share = static_cast<double>(options_.coarse_vertices) / next;
       const RefinementOptions work{
           std::max(options_.sweeps, static_cast<int>(options_.coarse_sweeps * share)),
-          options_.tolerance};
+          options_.tolerance, wildest};
       RETURN_IF_ERROR(restoreVertices(context_, map, next, work));
       RETURN_IF_ERROR(repairMap(context_, map, work));
     }
     return {};
   }
 
-  RefinementOptions coarseWork() const { return {options_.coarse_sweeps, options_.tolerance}; }
+  RefinementOptions coarseWork() const {
+    return {options_.coarse_sweeps, options_.tolerance, kWild};
+  }
 
   double pull() const { return 4 / (options_.smoothing * options_.smoothing); }
 
@@ -311,6 +367,11 @@ class Fitting {
   static constexpr double kFar = 0.5;  ///< The pull's first scale: it reaches over the surface.
   /// A target may be this many times as far from one nearby as the vertices are from each other.
   static constexpr double kStretch = 2;
+  /// A face that a near isometry has no reason to have, of more than this many times an isometry's
+  /// energy: stretched by 4.
+  static constexpr double kStuck = 4;
+  static constexpr int kRounds = 6;
+  static constexpr double kLess = 0.95;     ///< A round that lowers the excess less is a failure.
   static constexpr double kHeaviest = 10;   ///< Weight of a target, where the mean is 1.
   static constexpr double kNothing = 1e-9;  ///< Excess of an isometry, with its rounding.
 

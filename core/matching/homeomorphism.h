@@ -43,6 +43,10 @@ struct HomeomorphismOptions {
   /// Errors of the targets are evened out over this length: the longer, the more nearly isometric
   /// the map and the farther from the targets.
   double smoothing = 0.07;
+  /// The same for the final map, all of whose vertices move together (settling.h): errors of
+  /// targets are alike over long distances, and near isometry tells the better where most of the
+  /// surface agrees. Not longer than `smoothing`: there is no such step.
+  double last_smoothing = 1;
   /// A target much farther away than this does not count: it is wrong.
   double outlier = 0.05;
   Index coarse_vertices = 200;  ///< Where the coarse mesh begins to be refined.
@@ -66,7 +70,8 @@ struct Homeomorphism {
 /// hierarchy of meshes. Two coarse meshes are tried, and the better one is refined: one whose
 /// vertices are at their targets, without the vertices that fold it, and one whose vertices are
 /// where the start has them. A vertex is put back into the kernel of its ring, so that no face ever
-/// folds.
+/// folds. Then the whole map settles at less distortion, with hardly a pull; where that leaves
+/// faces stretched by 4 or more, stuck in a crumple, it is made coarse and refined again.
 ///
 /// Faces are those of great circles on the sphere of B. Does not depend on the numbering but for
 /// ties and rounding, nor on the scale of either surface. Fails with kUnsupportedTopology (not

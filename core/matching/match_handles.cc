@@ -3,17 +3,19 @@
 #include <utility>
 
 #include "core/matching/cover_inverse.h"
+#include "core/matching/settling.h"
 
 namespace moduli {
 
 Result<HandleCorrespondence> matchHandles(Context& context, const TriangleMesh& a,
                                           const TriangleMesh& b,
                                           const std::vector<SurfacePoint>& points,
-                                          const HarmonicMatchOptions& options) {
+                                          bool near_isometry, const HarmonicMatchOptions& options) {
   ASSIGN_OR_RETURN(const CoverSurface cover,
                    straightCover(context, b.connectivity(), b.edgeLengths()));
   ASSIGN_OR_RETURN(HarmonicMatch match, matchHarmonically(context, a.connectivity(),
                                                           a.edgeLengths(), cover, points, options));
+  if (near_isometry) RETURN_IF_ERROR(settle(context, a, b, cover, points, match.map));
   ASSIGN_OR_RETURN(std::vector<SurfacePoint> inverse,
                    invertCoverMap(context, a.connectivity(), cover, match.map));
   std::vector<SurfacePoint> images = match.map.images;

@@ -15,11 +15,13 @@ struct HandleCorrespondence {
   HarmonicMatch match;
 };
 
-/// A map near pointwise guesses: matchHarmonically in b's metric, and back. points: per vertex of
-/// a. Fails as straightCover, matchHarmonically and invertCoverMap do.
+/// A map near pointwise guesses: matchHarmonically in b's metric, settled (settling.h) if the two
+/// are near isometries, and back. points: per vertex of a. Fails as straightCover,
+/// matchHarmonically, settle and invertCoverMap do.
 Result<HandleCorrespondence> matchHandles(Context& context, const TriangleMesh& a,
                                           const TriangleMesh& b,
                                           const std::vector<SurfacePoint>& points,
+                                          bool near_isometry,
                                           const HarmonicMatchOptions& options = {});
 
 }  // namespace moduli

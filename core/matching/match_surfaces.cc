@@ -112,7 +112,9 @@ class Matching {
       result_.inverse = std::move(map.inverse);
       return {};
     }
-    ASSIGN_OR_RETURN(HandleCorrespondence map, matchHandles(context_, a_, b_, guess.points));
+    ASSIGN_OR_RETURN(
+        HandleCorrespondence map,
+        matchHandles(context_, a_, b_, guess.points, guess.method == MatchMethod::kNearIsometry));
     result_.images = std::move(map.images);
     result_.inverse = std::move(map.inverse);
     return {};

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/matching/surface_walk.h"
 #include "core/spherical/exact_sign.h"
 #include "core/spherical/sphere_locator.h"
 
@@ -30,13 +31,11 @@ class SphereDomain {
   /// direction: not 0. A unit vector is kept to the last bit.
   Image at(const Eigen::Vector3d& direction) const;
 
-  /// Straight on over the surface from `start`: in the plane of its face by the component of
-  /// `motion` there, across edges as if the next face were unfolded into the plane. Ends early
-  /// after `longest` edges and at a face without area. O(edges).
+  /// Straight on over the surface from `start`, as SurfaceWalk.
   Image walk(const Image& start, const Eigen::Vector3d& motion, int longest = 256) const;
 
   /// Unit normal of a face; 0 where it has no area.
-  const Eigen::Vector3d& normal(Index face) const { return normals_[face]; }
+  const Eigen::Vector3d& normal(Index face) const { return walk_.normal(face); }
 
   /// Whether the three run counter-clockwise, decided without an error.
   static bool isPositive(const Image& a, const Image& b, const Image& c) {
@@ -51,9 +50,7 @@ class SphereDomain {
 
  private:
   const SphereLocator& sphere_;
-  std::vector<Eigen::Vector3d> positions_;
-  std::vector<Eigen::Vector3d> normals_;
-  std::vector<double> twice_areas_;
+  SurfaceWalk walk_;
 };
 
 }  // namespace moduli
