@@ -10,6 +10,7 @@
 #include "core/matching/match_handles.h"
 #include "core/matching/match_spheres.h"
 #include "core/matching/same_triangulation.h"
+#include "core/matching/space_mobius.h"
 #include "core/matching/spectral_match.h"
 #include "core/topology/surface_topology.h"
 
@@ -23,6 +24,9 @@ constexpr double kClearlyNearer = 0.5;
 constexpr double kGoodDefect = 0.03;
 /// and is the better one unless the other's defect is this part of its own.
 constexpr double kMobiusShare = 0.5;
+/// A Möbius map of space is one of the surfaces if it misses half of the points by less than this
+/// share of the root of the area.
+constexpr double kNearMobius = 0.03;
 /// Matches of at most so much more defect than the best are told of.
 constexpr double kNearlyAsGood = 2;
 
@@ -106,18 +110,51 @@ class Matching {
 
   /// From points that are nearly right to a map without folds.
   Status straighten(const SpectralGuess& guess) {
-    if (a_.connectivity().eulerCharacteristic() == 2) {
-      ASSIGN_OR_RETURN(SphereCorrespondence map, matchSpheres(context_, a_, b_, guess, options_));
+    if (guess.method == MatchMethod::kMobius) {
+      ASSIGN_OR_RETURN(const std::optional<TriangleMesh> image, mobiusImage(guess));
+      if (image) {
+        SpectralGuess isometry = guess;
+        isometry.method = MatchMethod::kNearIsometry;
+        return straighten(*image, isometry);
+      }
+    }
+    return straighten(a_, guess);
+  }
+
+  Status straighten(const TriangleMesh& a, const SpectralGuess& guess) {
+    if (a.connectivity().eulerCharacteristic() == 2) {
+      ASSIGN_OR_RETURN(SphereCorrespondence map, matchSpheres(context_, a, b_, guess, options_));
       result_.images = std::move(map.images);
       result_.inverse = std::move(map.inverse);
       return {};
     }
     ASSIGN_OR_RETURN(
         HandleCorrespondence map,
-        matchHandles(context_, a_, b_, guess.points, guess.method == MatchMethod::kNearIsometry));
+        matchHandles(context_, a, b_, guess.points, guess.method == MatchMethod::kNearIsometry));
     result_.images = std::move(map.images);
     result_.inverse = std::move(map.inverse);
     return {};
+  }
+
+  /// Where the Möbius map of space nearest to a guess takes a: what is left is a near isometry.
+  /// Nothing where no such map is near.
+  Result<std::optional<TriangleMesh>> mobiusImage(const SpectralGuess& guess) {
+    const Context::Stage stage(context_, "moebius");
+    std::optional<TriangleMesh> none;
+    std::vector<Eigen::Vector3d> points, targets;
+    for (const Index v : guess.samples) {
+      points.push_back(a_.positions()[v]);
+      targets.push_back(spacePoint(b_.connectivity(), b_.positions(), guess.points[v]));
+    }
+    const Result<SpaceMobiusFit> fit = fitSpaceMobius(points, targets);
+    if (!fit.ok() || !(fit->median < kNearMobius * std::sqrt(b_.area()))) return none;
+    TriangleSoup soup{a_.positions(), a_.connectivity().faces()};
+    for (Eigen::Vector3d& p : soup.vertices) {
+      p = fit->map(p);
+      if (!p.allFinite()) return none;
+    }
+    ASSIGN_OR_RETURN(TriangleMesh image, TriangleMesh::fromSoup(std::move(soup)));
+    return std::optional(std::move(image));
   }
 
   /// Of several numberings the one that the points mean.
