@@ -236,7 +236,7 @@ class Fitting {
   /// crumpled, and from there again. Keeps what helps.
   Status smoothCrumples(Relaxation& map) {
     int failures = 0;
-    for (int round = 0; round < kRounds && failures < 2 && !isAllTame(map, kStuck); ++round) {
+    for (int round = 0; round < kRounds && failures < 2 && !isAllTame(map, kOdd); ++round) {
       ASSIGN_OR_RETURN(std::optional<Relaxation> again,
                        onceMore(map, options_.coarse_vertices << (round % 2)));
       ++failures;
@@ -367,9 +367,10 @@ class Fitting {
   static constexpr double kFar = 0.5;  ///< The pull's first scale: it reaches over the surface.
   /// A target may be this many times as far from one nearby as the vertices are from each other.
   static constexpr double kStretch = 2;
-  /// A face that a near isometry has no reason to have, of more than this many times an isometry's
-  /// energy: stretched by 4.
-  static constexpr double kStuck = 4;
+  /// A near isometry has no reason to have faces of more than twice an isometry's energy, stretched
+  /// by 2.4: something is stuck;
+  static constexpr double kOdd = 2;
+  static constexpr double kStuck = 4;  ///< what has more is taken out first.
   static constexpr int kRounds = 6;
   static constexpr double kLess = 0.95;     ///< A round that lowers the excess less is a failure.
   static constexpr double kHeaviest = 10;   ///< Weight of a target, where the mean is 1.

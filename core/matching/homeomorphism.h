@@ -71,7 +71,7 @@ struct Homeomorphism {
 /// vertices are at their targets, without the vertices that fold it, and one whose vertices are
 /// where the start has them. A vertex is put back into the kernel of its ring, so that no face ever
 /// folds. Then the whole map settles at less distortion, with hardly a pull; where that leaves
-/// faces stretched by 4 or more, stuck in a crumple, it is made coarse and refined again.
+/// faces stretched by 2.4 or more, stuck in a crumple, it is made coarse and refined again.
 ///
 /// Faces are those of great circles on the sphere of B. Does not depend on the numbering but for
 /// ties and rounding, nor on the scale of either surface. Fails with kUnsupportedTopology (not

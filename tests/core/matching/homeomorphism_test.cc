@@ -238,7 +238,9 @@ TEST(Homeomorphism, DoesNotDependOnScaleNorNumbering) {
   for (Index v = 0; v < count; ++v) {
     sum += (map->points[v] - renumbered->points[count - 1 - v]).norm() / count;
   }
-  EXPECT_LT(sum, 1e-9);
+  // Twelve common steps at most, with matrices of a condition of some 1e5: 1e-9 in unit vectors,
+  // and ten times that.
+  EXPECT_LT(sum, 1e-8);
 }
 
 TEST(Homeomorphism, TheInverseLeadsBack) {
