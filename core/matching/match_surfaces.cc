@@ -22,7 +22,8 @@ namespace {
 constexpr double kClearlyNearer = 0.5;
 /// A near isometry as good as this needs no other explanation,
 constexpr double kGoodDefect = 0.03;
-/// and is the better one unless the other's defect is this part of its own.
+/// and is the better one unless the other's defect is this part of its own, or the distances left
+/// by the best Möbius map of space.
 constexpr double kMobiusShare = 0.5;
 /// A Möbius map of space is one of the surfaces if it misses half of the points by less than this
 /// share of the root of the area.
@@ -136,18 +137,33 @@ class Matching {
     return {};
   }
 
-  /// Where the Möbius map of space nearest to a guess takes a: what is left is a near isometry.
-  /// Nothing where no such map is near.
-  Result<std::optional<TriangleMesh>> mobiusImage(const SpectralGuess& guess) {
-    const Context::Stage stage(context_, "moebius");
-    std::optional<TriangleMesh> none;
+  /// The Möbius map of space nearest to a guess, its median over the root of b's area.
+  Result<SpaceMobiusFit> mobiusOf(const SpectralGuess& guess) const {
     std::vector<Eigen::Vector3d> points, targets;
     for (const Index v : guess.samples) {
       points.push_back(a_.positions()[v]);
       targets.push_back(spacePoint(b_.connectivity(), b_.positions(), guess.points[v]));
     }
-    const Result<SpaceMobiusFit> fit = fitSpaceMobius(points, targets);
-    if (!fit.ok() || !(fit->median < kNearMobius * std::sqrt(b_.area()))) return none;
+    ASSIGN_OR_RETURN(SpaceMobiusFit fit, fitSpaceMobius(points, targets));
+    fit.median /= std::sqrt(b_.area());
+    return fit;
+  }
+
+  /// Whether the second guess is of surfaces that a Möbius map of space carries to each other. It
+  /// has 10 numbers, and the guess some hundred points: they do not agree by accident.
+  bool isMobius(const SpectralGuess& isometry, const SpectralGuess& mobius) const {
+    if (mobius.match.defect < kMobiusShare * isometry.match.defect) return true;
+    const Result<SpaceMobiusFit> fit = mobiusOf(mobius), other = mobiusOf(isometry);
+    if (!fit.ok() || !(fit->median < kNearMobius)) return false;
+    return !other.ok() || fit->median < kMobiusShare * other->median;
+  }
+
+  /// Where the Möbius map of space nearest to a guess takes a: what is left is a near isometry.
+  /// Nothing where no such map is near.
+  Result<std::optional<TriangleMesh>> mobiusImage(const SpectralGuess& guess) const {
+    std::optional<TriangleMesh> none;
+    const Result<SpaceMobiusFit> fit = mobiusOf(guess);
+    if (!fit.ok() || !(fit->median < kNearMobius)) return none;
     TriangleSoup soup{a_.positions(), a_.connectivity().faces()};
     for (Eigen::Vector3d& p : soup.vertices) {
       p = fit->map(p);
@@ -210,7 +226,7 @@ class Matching {
                     "--mirror looks for one that turns it over; --landmarks tells points that "
                     "correspond");
     }
-    const bool mobius = guesses.front().match.defect * kMobiusShare > guesses.back().match.defect;
+    const bool mobius = guesses.size() == 2 && isMobius(guesses.front(), guesses.back());
     SpectralGuess& best = mobius ? guesses.back() : guesses.front();
     listOthers(std::move(all), best);
     return std::move(best);
