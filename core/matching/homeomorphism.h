@@ -77,7 +77,8 @@ struct Homeomorphism {
 /// ties and rounding, nor on the scale of either surface. Fails with kUnsupportedTopology (not
 /// closed, doubled edges), kInvalidOption (sizes; an option out of its range; a target that is not
 /// on the surfaces or of negative weight, by its number), kFoldedMap (the start folds, or a vertex
-/// finds no place among doubles). O(V log V) and a few sweeps; memory O(V).
+/// finds no place among doubles), as SpdSolver does. O(V log V), a few sweeps and ten or more
+/// factorizations of 2 V unknowns; memory O(V). Stages: "coarse", "refine", "settle", SpdSolver's.
 /// Source: MATH 9.5; Hormann and Greiner 2000 and Smith and Schaefer 2015 (energy); Schreiner et
 /// al. 2004 and Shen et al. 2019 (refinement into kernels).
 Result<Homeomorphism> fitHomeomorphism(Context& context, const SphericalSource& a,

@@ -65,7 +65,8 @@ struct SurfaceMatch {
 
 /// A map from a onto b that is one to one and folds no face. Surfaces that differ by bending are
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
-/// keeps, whichever agrees better.
+/// keeps, whichever agrees better; where such a map is near the match, the first surface is taken
+/// through it and the rest is a near isometry.
 ///
 /// a, b: closed, connected, of one genus; landmarks on genus 0 alone. Fails with
 /// kUnsupportedTopology (naming both topologies), kNoConvergence (no correspondence), kFoldedMap,
