@@ -274,7 +274,11 @@ std::vector<double> positiveWeights(const Connectivity& surface,
 }
 
 Index countFolded(const Connectivity& surface, const VertexLinks& links) {
-  Index folded = 0;
+  return static_cast<Index>(foldedFaces(surface, links).size());
+}
+
+std::vector<Index> foldedFaces(const Connectivity& surface, const VertexLinks& links) {
+  std::vector<Index> folded;
   for (Index f = 0; f < surface.faceCount(); ++f) {
     // The corner of the largest angle tells best: opposite the longest side.
     Index corner = 3 * f;
@@ -286,7 +290,7 @@ Index countFolded(const Connectivity& surface, const VertexLinks& links) {
       corner = Connectivity::previous(h);
     }
     const auto sides = sidesAt(surface, links, corner);
-    folded += spherical::orientationSign(0.0, sides[0], sides[1]) <= 0;
+    if (spherical::orientationSign(0.0, sides[0], sides[1]) <= 0) folded.push_back(f);
   }
   return folded;
 }

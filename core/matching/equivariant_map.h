@@ -55,6 +55,7 @@ std::vector<double> positiveWeights(const Connectivity& surface,
 
 /// Faces that the map turns over or lays flat. O(F).
 Index countFolded(const Connectivity& surface, const VertexLinks& links);
+std::vector<Index> foldedFaces(const Connectivity& surface, const VertexLinks& links);
 
 /// The signed area that the map covers: a whole multiple of the other surface's. O(F).
 double coveredArea(Geometry geometry, const Connectivity& surface, const VertexLinks& links);

@@ -130,18 +130,11 @@ class HarmonicFit {
   Index folded_ = 0;
 };
 
-}  // namespace
-
-Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& surface,
-                                        const std::vector<double>& lengths,
-                                        const CoverSurface& cover,
-                                        const std::vector<SurfacePoint>& targets,
-                                        const HarmonicMatchOptions& options) {
-  if (!(options.smoothing > 0)) {
-    return Status(Reason::kInvalidOption, "the smoothing is not positive");
-  }
+/// With longer and longer smoothing until no face folds.
+Result<HarmonicMatch> fitFrom(Context& context, const Connectivity& surface,
+                              const std::vector<double>& lengths, const CoverSurface& cover,
+                              const TargetLinks& start, const HarmonicMatchOptions& options) {
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
-  ASSIGN_OR_RETURN(const TargetLinks start, linkTargets(context, surface, cover, targets));
   HarmonicFit fit(context, surface, unitLengths(mollified.lengths), cover, start);
   for (double smoothing = options.smoothing;; smoothing *= 2) {
     if (smoothing > kLongestSmoothing) smoothing = std::numeric_limits<double>::infinity();
@@ -153,6 +146,35 @@ Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& su
                 "the harmonic map turns over " + std::to_string(fit.folded()) + " of " +
                     std::to_string(surface.faceCount()) + " faces",
                 "simplify limbs that are long and thin");
+}
+
+Status checkOptions(const HarmonicMatchOptions& options) {
+  if (options.smoothing > 0) return {};
+  return {Reason::kInvalidOption, "the smoothing is not positive"};
+}
+
+}  // namespace
+
+Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& surface,
+                                        const std::vector<double>& lengths,
+                                        const CoverSurface& cover,
+                                        const std::vector<SurfacePoint>& targets,
+                                        const HarmonicMatchOptions& options) {
+  RETURN_IF_ERROR(checkOptions(options));
+  ASSIGN_OR_RETURN(const TargetLinks start, linkTargets(context, surface, cover, targets));
+  return fitFrom(context, surface, lengths, cover, start, options);
+}
+
+Result<HarmonicMatch> evenOut(Context& context, const Connectivity& surface,
+                              const std::vector<double>& lengths, const CoverSurface& cover,
+                              CoverMap map, const HarmonicMatchOptions& options) {
+  RETURN_IF_ERROR(checkOptions(options));
+  TargetLinks start;
+  start.replaced.assign(surface.vertexCount(), false);
+  start.closure = closureResidual(surface, linksOf(surface, cover, map));
+  start.degree = 1;
+  start.map = std::move(map);
+  return fitFrom(context, surface, lengths, cover, start, options);
 }
 
 }  // namespace moduli

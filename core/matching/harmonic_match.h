@@ -49,4 +49,10 @@ Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& su
                                         const std::vector<SurfacePoint>& targets,
                                         const HarmonicMatchOptions& options = {});
 
+/// The same from a map without folded faces on: its images are the targets, and its class the one.
+/// Fails likewise, but not as linkTargets does.
+Result<HarmonicMatch> evenOut(Context& context, const Connectivity& surface,
+                              const std::vector<double>& lengths, const CoverSurface& cover,
+                              CoverMap map, const HarmonicMatchOptions& options = {});
+
 }  // namespace moduli

@@ -78,7 +78,8 @@ class Matching {
 
   Result<SurfaceMatch> run() {
     std::vector<std::vector<Index>> same;
-    if (options_.same_triangulation && options_.landmarks.empty()) {
+    if (options_.same_triangulation && options_.landmarks.empty() &&
+        options_.soft_landmarks.empty()) {
       ASSIGN_OR_RETURN(same, sameTriangulations(context_, a_.connectivity(), b_.connectivity()));
     }
     if (same.size() == 1) return takeTriangulation(same.front());
@@ -110,11 +111,14 @@ class Matching {
       ASSIGN_OR_RETURN(SphereCorrespondence map, matchSpheres(context_, a_, b_, guess, options_));
       result_.images = std::move(map.images);
       result_.inverse = std::move(map.inverse);
+      measureLandmarks(map.landmarks, map.soft_landmarks);
       return {};
     }
-    ASSIGN_OR_RETURN(HandleCorrespondence map, matchHandles(context_, a_, b_, guess.points));
+    ASSIGN_OR_RETURN(HandleCorrespondence map,
+                     matchHandles(context_, a_, b_, guess.points, options_));
     result_.images = std::move(map.images);
     result_.inverse = std::move(map.inverse);
+    measureLandmarks(map.landmarks, map.soft_landmarks);
     return {};
   }
 
@@ -211,6 +215,23 @@ class Matching {
     return {};
   }
 
+  /// From where the map takes the landmarks.
+  void measureLandmarks(const std::vector<SurfacePoint>& exact,
+                        const std::vector<SurfacePoint>& soft) {
+    const auto largest = [&](const std::vector<MatchLandmark>& landmarks,
+                             const std::vector<SurfacePoint>& images) {
+      double error = 0;
+      for (std::size_t i = 0; i < landmarks.size(); ++i) {
+        const auto there = spacePoint(b_.connectivity(), b_.positions(), images[i]);
+        const auto wanted = spacePoint(b_.connectivity(), b_.positions(), landmarks[i].b);
+        error = std::max(error, (there - wanted).norm());
+      }
+      return error / std::sqrt(b_.area());
+    };
+    if (!exact.empty()) result_.landmark_error = largest(options_.landmarks, exact);
+    if (!soft.empty()) result_.soft_landmark_error = largest(options_.soft_landmarks, soft);
+  }
+
   Result<SurfaceMatch> judged() {
     const Context::Stage stage(context_, "judge");
     std::vector<Eigen::Vector3d> places;
@@ -222,15 +243,6 @@ class Matching {
     result_.cycle_error = cycleError(a_.connectivity(), a_.positions(), result_.images,
                                      b_.connectivity(), result_.inverse) /
                           std::sqrt(a_.area());
-    if (!options_.landmarks.empty()) {
-      double largest = 0;
-      for (const MatchLandmark& landmark : options_.landmarks) {
-        const auto there = spacePoint(a_.connectivity(), places, landmark.a);
-        const auto wanted = spacePoint(b_.connectivity(), b_.positions(), landmark.b);
-        largest = std::max(largest, (there - wanted).norm());
-      }
-      result_.landmark_error = largest / std::sqrt(b_.area());
-    }
     return std::move(result_);
   }
 
@@ -248,19 +260,17 @@ Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, cons
                                    const MatchOptions& options) {
   RETURN_IF_ERROR(
       checkTopologies(computeTopology(a.connectivity()), computeTopology(b.connectivity())));
-  if (!options.landmarks.empty() && a.connectivity().eulerCharacteristic() != 2) {
-    return Status(Reason::kUnsupportedTopology,
-                  "landmarks of surfaces with handles are not available",
-                  "match without them; landmarks are met on surfaces of genus 0");
-  }
-  for (const MatchLandmark& landmark : options.landmarks) {
-    RETURN_IF_ERROR(checkSurfacePoint(a.connectivity(), landmark.a, landmark.name));
-    RETURN_IF_ERROR(checkSurfacePoint(b.connectivity(), landmark.b, landmark.name));
+  for (const auto* landmarks : {&options.landmarks, &options.soft_landmarks}) {
+    for (const MatchLandmark& landmark : *landmarks) {
+      RETURN_IF_ERROR(checkSurfacePoint(a.connectivity(), landmark.a, landmark.name));
+      RETURN_IF_ERROR(checkSurfacePoint(b.connectivity(), landmark.b, landmark.name));
+    }
   }
   if (!options.mirror) return Matching(context, a, b, options).run();
   ASSIGN_OR_RETURN(const TriangleMesh mirrored, mirrorImage(b));
   MatchOptions turned = options;
   for (MatchLandmark& landmark : turned.landmarks) turnOver(landmark.b);
+  for (MatchLandmark& landmark : turned.soft_landmarks) turnOver(landmark.b);
   ASSIGN_OR_RETURN(SurfaceMatch match, Matching(context, a, mirrored, turned).run());
   for (SurfacePoint& point : match.images) turnOver(point);
   return match;

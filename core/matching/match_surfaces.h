@@ -27,6 +27,8 @@ struct MatchOptions {
   bool mirror = false;
   /// Points that are met exactly.
   std::vector<MatchLandmark> landmarks = {};
+  /// Points that the map is drawn to, more than to anything else near them, but may miss.
+  std::vector<MatchLandmark> soft_landmarks = {};
   /// Whether two meshes that differ by the numbering and the places of their vertices alone
   /// correspond by their triangulation. Without, only the surfaces count.
   bool same_triangulation = true;
@@ -56,9 +58,10 @@ struct SurfaceMatch {
   /// area, of the logarithms of both singular values of its faces, less their mean. No unit; 0 for
   /// similar surfaces.
   double distance = 0;
-  double cycle_error = 0;                ///< cycleError over the root of the area of a.
-  std::optional<double> defect;          ///< Of the spectral match that the map began with.
-  std::optional<double> landmark_error;  ///< Largest distance left, over the root of b's area.
+  double cycle_error = 0;                     ///< cycleError over the root of the area of a.
+  std::optional<double> defect;               ///< Of the spectral match that the map began with.
+  std::optional<double> landmark_error;       ///< Largest distance left, over the root of b's area.
+  std::optional<double> soft_landmark_error;  ///< Of the soft ones.
   /// The runners-up, best first, whose defects are less than twice that of the best.
   std::vector<MatchAlternative> alternatives;
 };
@@ -67,8 +70,8 @@ struct SurfaceMatch {
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
 /// keeps, whichever agrees better.
 ///
-/// a, b: closed, connected, of one genus; landmarks on genus 0 alone. Fails with
-/// kUnsupportedTopology (naming both topologies), kNoConvergence (no correspondence), kFoldedMap,
+/// a, b: closed, connected, of one genus. Fails with kUnsupportedTopology (naming both topologies),
+/// kNoConvergence (no correspondence), kFoldedMap (naming landmarks that contradict each other),
 /// kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism and matchHandles do. Some
 /// seconds at 50,000 vertices. Source: MATH 9.
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,

@@ -15,6 +15,7 @@
 #include "core/matching/map_report.h"
 #include "core/matching/match_surfaces.h"
 #include "core/matching/spectral_match.h"
+#include "core/matching/unfold_sphere.h"
 #include "core/spherical/landmark_alignment.h"
 #include "core/spherical/robust_map.h"
 #include "core/topology/surface_topology.h"
@@ -166,8 +167,13 @@ class Bench {
   static Result<SphereMap> sphereOf(Context& context, const TriangleMesh& mesh) {
     ASSIGN_OR_RETURN(const MollifiedLengths mollified,
                      mollify(mesh.connectivity(), mesh.edgeLengths()));
-    return mapToSphereRobust(context, mesh.connectivity(), unitLengths(mollified.lengths),
-                             mesh.positions(), true);
+    ASSIGN_OR_RETURN(SphereMap map,
+                     mapToSphereRobust(context, mesh.connectivity(), unitLengths(mollified.lengths),
+                                       mesh.positions(), true));
+    if (map.quality.flipped_faces > 0) {
+      ASSIGN_OR_RETURN(map.points, unfoldSphere(context, mesh, std::move(map.points)));
+    }
+    return map;
   }
 
   Status align() {
