@@ -126,7 +126,9 @@ Result<HandleCorrespondence> matchHandles(Context& context, const TriangleMesh& 
                                           const TriangleMesh& b,
                                           const std::vector<SurfacePoint>& points,
                                           const MatchOptions& options) {
-  RETURN_IF_ERROR(checkDistinct(a, b, options.landmarks));
+  Landmarks all = options.landmarks;
+  all.insert(all.end(), options.soft_landmarks.begin(), options.soft_landmarks.end());
+  RETURN_IF_ERROR(checkDistinct(a, b, all));
   ASSIGN_OR_RETURN(const CoverSurface cover,
                    straightCover(context, b.connectivity(), b.edgeLengths()));
   HandleMatching matching(context, a, cover, options);

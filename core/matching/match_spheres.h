@@ -25,7 +25,8 @@ struct SphereCorrespondence {
 
 /// A map of spheres near a guess: the Möbius map between their conformal maps that brings samples
 /// nearest to where they ought to go; for near isometries then fitHomeomorphism. Landmarks are met
-/// at last, after soft ones have been as far as they can be, and what came of that evened out. Fails as mapToSphereRobust, alignLandmarks, fitHomeomorphism and meetLandmarks do.
+/// at last, after soft ones have been as far as they can be, and what came of that evened out.
+/// Fails as mapToSphereRobust, alignLandmarks, fitHomeomorphism and meetLandmarks do.
 Result<SphereCorrespondence> matchSpheres(Context& context, const TriangleMesh& a,
                                           const TriangleMesh& b, const SpectralGuess& guess,
                                           const MatchOptions& options);

@@ -68,10 +68,10 @@ struct LandmarkMap {
 /// surface; target not a unit vector to 1e-6 or, once aligned, opposite to where the landmark is;
 /// two landmarks coincide, are sent to one place, or meet on their way), kFoldedMap (the given map
 /// folds, or none without folds was found: the message names the landmark nearest to the fold, and
-/// another one if it is near, too) and as SpdSolver. Two factorizations of a fourth-order operator a step (four where the first attempt
-/// folds), about ten steps a radian, and four a round of polishing.
-/// Source: after Lam and Lui 2014 (smoothed coefficients and the linear Beltrami system in turn);
-/// MATH 2.3 (c), 9.1, 9.2.
+/// another one if it is near, too) and as SpdSolver. Two factorizations of a fourth-order operator
+/// a step (four where the first attempt folds), about ten steps a radian, and four a round of
+/// polishing. Source: after Lam and Lui 2014 (smoothed coefficients and the linear Beltrami system
+/// in turn); MATH 2.3 (c), 9.1, 9.2.
 Result<LandmarkMap> meetLandmarks(Context& context, const Connectivity& surface,
                                   const std::vector<double>& lengths, Points3 points,
                                   const std::vector<Landmark>& landmarks,
