@@ -162,7 +162,9 @@ class HarmonicSearch {
     for (Index e = 0; e < surface_.edgeCount(); ++e) addEdge(e, entries);
     for (Index v = 0; v < n; ++v) addPull(v, entries);
     // Shifts of a flat map cost nothing.
-    if (plane_.isFlat() && options_.pulls.empty()) addBlock(entries, 0, 0, Matrix2d::Identity());
+    if (plane_.isFlat() && options_.pulls.empty()) {
+      addBlock(entries, options_.anchor, options_.anchor, Matrix2d::Identity());
+    }
     SparseMatrix hessian(2 * n, 2 * n);
     hessian.setFromTriplets(entries.begin(), entries.end());
     if (!solver_) {
@@ -257,6 +259,9 @@ Result<HarmonicMap> harmonicMap(Context& context, Geometry geometry, const Conne
       !(options.moves.empty() || is(options.moves.size(), surface.vertexCount()))) {
     return Status(Reason::kInvalidOption,
                   "weights, links, pulls or moves are not one for each element");
+  }
+  if (options.anchor < 0 || options.anchor >= surface.vertexCount()) {
+    return Status(Reason::kInvalidOption, "the anchor is no vertex");
   }
   return HarmonicSearch(context, geometry, surface, weights, std::move(start), options).run();
 }

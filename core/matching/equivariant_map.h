@@ -32,12 +32,13 @@ struct HarmonicOptions {
   /// Per vertex where the search begins, as HarmonicMap::moves; the links are those there. Empty:
   /// at the start.
   std::vector<Motion> moves = {};
+  Index anchor = 0;         ///< The vertex that stays where shifts of a flat map cost nothing.
   double tolerance = 1e-7;  ///< The last step, of the longest edge at its vertex.
   int most_iterations = 60;
 };
 
 /// The map of least energy 1/2 sum of w_e d_e^2 in the homotopy class of the start. weights: per
-/// edge. With weights > 0 and without pulls there is one (of tori up to a shift; vertex 0 stays),
+/// edge. With weights > 0 and without pulls there is one (of tori up to a shift; the anchor stays),
 /// and where the start is homotopic to a homeomorphism that keeps orientation no face of it folds.
 ///
 /// Newton's method with the exact Hessian, which is positive semidefinite for weights >= 0. Fails

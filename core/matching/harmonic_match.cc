@@ -11,7 +11,6 @@
 #include "core/forms/cotan.h"
 #include "core/intrinsic/mollify.h"
 #include "core/matching/equivariant_map.h"
-#include "core/matching/target_links.h"
 
 namespace moduli {
 namespace {
@@ -55,7 +54,7 @@ void weakenFar(const HarmonicMap& map, const CoverPlane& plane, std::vector<doub
 class HarmonicFit {
  public:
   HarmonicFit(Context& context, const Connectivity& surface, const std::vector<double>& lengths,
-              const CoverSurface& cover, const TargetLinks& start)
+              const CoverSurface& cover, const TargetLinks& start, Index anchor)
       : context_(context),
         surface_(surface),
         cover_(cover),
@@ -63,7 +62,9 @@ class HarmonicFit {
         cotan_(cotanWeights(surface, lengths)),
         positive_(positiveWeights(surface, lengths)),
         areas_(vertexAreas(surface, lengths)),
-        at_(linksOf(surface, cover, start.map)) {}
+        at_(linksOf(surface, cover, start.map)) {
+    options_.anchor = anchor;
+  }
 
   /// Nothing where faces fold with all weights.
   Result<std::optional<HarmonicMatch>> fit(double smoothing) {
@@ -137,12 +138,19 @@ Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& su
                                         const CoverSurface& cover,
                                         const std::vector<SurfacePoint>& targets,
                                         const HarmonicMatchOptions& options) {
+  ASSIGN_OR_RETURN(const TargetLinks start, linkTargets(context, surface, cover, targets));
+  return matchHarmonically(context, surface, lengths, cover, start, options);
+}
+
+Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& surface,
+                                        const std::vector<double>& lengths,
+                                        const CoverSurface& cover, const TargetLinks& start,
+                                        const HarmonicMatchOptions& options) {
   if (!(options.smoothing > 0)) {
     return Status(Reason::kInvalidOption, "the smoothing is not positive");
   }
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
-  ASSIGN_OR_RETURN(const TargetLinks start, linkTargets(context, surface, cover, targets));
-  HarmonicFit fit(context, surface, unitLengths(mollified.lengths), cover, start);
+  HarmonicFit fit(context, surface, unitLengths(mollified.lengths), cover, start, options.anchor);
   for (double smoothing = options.smoothing;; smoothing *= 2) {
     if (smoothing > kLongestSmoothing) smoothing = std::numeric_limits<double>::infinity();
     ASSIGN_OR_RETURN(std::optional<HarmonicMatch> match, fit.fit(smoothing));

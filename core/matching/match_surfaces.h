@@ -67,10 +67,11 @@ struct SurfaceMatch {
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
 /// keeps, whichever agrees better.
 ///
-/// a, b: closed, connected, of one genus; landmarks on genus 0 alone. Fails with
-/// kUnsupportedTopology (naming both topologies), kNoConvergence (no correspondence), kFoldedMap,
-/// kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism and matchHandles do. Some
-/// seconds at 50,000 vertices. Source: MATH 9.
+/// a, b: connected, of one genus and number of boundary loops; boundaries go to boundaries.
+/// Landmarks on closed surfaces of genus 0 alone. Fails with kUnsupportedTopology (naming both
+/// topologies), kNoConvergence (no correspondence), kFoldedMap, kInvalidOption (a landmark), as
+/// makeSpectralSurface, fitHomeomorphism, matchHandles and matchBordered do. Some seconds at 50,000
+/// vertices. Source: MATH 9.
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options = {});
 

@@ -3,7 +3,9 @@
 #include <vector>
 
 #include "core/base/context.h"
+#include "core/matching/boundary_map.h"
 #include "core/matching/cover_map.h"
+#include "core/mesh/double_cover.h"
 
 namespace moduli {
 
@@ -28,5 +30,16 @@ struct TargetLinks {
 /// "homotopy". Source: MATH 9.4; Kneser 1930 (degree).
 Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
                                 const CoverSurface& cover, std::vector<SurfacePoint> targets);
+
+/// The same for the doubles of two surfaces with boundary, of which only the first copies are
+/// looked at: what the mirrors do is the mirror image of it. Targets of the boundary are those of
+/// `boundary`; they are not replaced.
+///
+/// surface: A, and its double. b, cover: B, and what covers its double, whose first copy is
+/// numbered as B. targets: per vertex of A, on B. Fails as linkTargets does.
+Result<TargetLinks> linkBordered(Context& context, const Connectivity& surface,
+                                 const DoubleCover& surface_double, const Connectivity& b,
+                                 const CoverSurface& cover, const BoundaryMap& boundary,
+                                 std::vector<SurfacePoint> targets);
 
 }  // namespace moduli
