@@ -19,7 +19,6 @@ struct HarmonicMatchOptions {
   /// Errors of targets are evened out over this length, a share of the root of the area of A.
   /// Infinite: targets tell the homotopy class alone, and the map is harmonic.
   double smoothing = 0.06;
-  Index anchor = 0;  ///< Where targets do not pull, the vertex of a torus that stays at its own.
 };
 
 struct HarmonicMatch {
@@ -39,7 +38,7 @@ struct HarmonicMatch {
 /// their images than most. The cotan weights w_e are A's own and, where faces fold under these or
 /// the energy is not convex, kept positive: then the minimum is the only one. Where faces fold all
 /// the same, smoothing is made longer; without the pull of targets none can (Colin de Verdière
-/// 1991) but by rounding. Of tori the anchor then stays at its target.
+/// 1991) but by rounding. Of tori one vertex then stays at its target.
 ///
 /// lengths: per edge of `surface`, positive up to rounding. targets: per vertex. Fails with
 /// kInvalidOption (smoothing not positive), kFoldedMap (faces too thin for doubles), and as
@@ -51,7 +50,7 @@ Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& su
                                         const std::vector<SurfacePoint>& targets,
                                         const HarmonicMatchOptions& options = {});
 
-/// The same from a class that is known. targets: linkTargets' or linkBordered's.
+/// The same from a class that is known: linkTargets', or linkBordered's of surfaces with boundary.
 Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& surface,
                                         const std::vector<double>& lengths,
                                         const CoverSurface& cover, const TargetLinks& targets,

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "core/matching/boundary_map.h"
+#include "core/matching/boundary_links.h"
 #include "core/matching/cover_inverse.h"
-#include "core/matching/doubled_map.h"
 #include "core/matching/target_links.h"
+#include "core/mesh/double_cover.h"
 
 namespace moduli {
 namespace {
@@ -17,24 +17,6 @@ std::vector<double> doubledLengths(const DoubleCover& doubled, const TriangleMes
   return result;
 }
 
-/// Any one: where it stays, a shift of a double that is a torus keeps boundaries on each other.
-Index boundaryVertex(const Connectivity& surface) {
-  Index v = 0;
-  while (!surface.isBoundaryVertex(v)) ++v;
-  return v;
-}
-
-/// The images of a surface's own vertices on the other one, whose boundary gets the boundary's.
-std::vector<SurfacePoint> ofFirstCopy(const Connectivity& from, const Connectivity& to,
-                                      const std::vector<SurfacePoint>& images) {
-  std::vector<SurfacePoint> result;
-  for (Index v = 0; v < from.vertexCount(); ++v) {
-    const SurfacePoint point = foldedBack(images[v], to.faceCount());
-    result.push_back(from.isBoundaryVertex(v) ? ontoBoundary(to, point) : point);
-  }
-  return result;
-}
-
 }  // namespace
 
 Result<BorderedCorrespondence> matchBordered(Context& context, const TriangleMesh& a,
@@ -42,22 +24,28 @@ Result<BorderedCorrespondence> matchBordered(Context& context, const TriangleMes
                                              const std::vector<SurfacePoint>& points,
                                              const HarmonicMatchOptions& options) {
   ASSIGN_OR_RETURN(const BoundaryMap boundary, fitBoundary(a, b, points));
-  ASSIGN_OR_RETURN(const DoubleCover double_a, doubleCover(a.connectivity()));
-  ASSIGN_OR_RETURN(const DoubleCover double_b, doubleCover(b.connectivity()));
+  ASSIGN_OR_RETURN(const DoubleCover doubled, doubleCover(b.connectivity()));
   ASSIGN_OR_RETURN(const CoverSurface cover,
-                   straightCover(context, double_b.connectivity, doubledLengths(double_b, b)));
+                   straightCover(context, doubled.connectivity, doubledLengths(doubled, b)));
   ASSIGN_OR_RETURN(
       const TargetLinks start,
-      linkBordered(context, a.connectivity(), double_a, b.connectivity(), cover, boundary, points));
-  HarmonicMatchOptions anchored = options;
-  anchored.anchor = boundaryVertex(a.connectivity());
-  ASSIGN_OR_RETURN(const HarmonicMatch match,
-                   matchHarmonically(context, double_a.connectivity, doubledLengths(double_a, a),
-                                     cover, start, anchored));
-  ASSIGN_OR_RETURN(const std::vector<SurfacePoint> inverse,
-                   invertCoverMap(context, double_a.connectivity, cover, match.map));
-  return BorderedCorrespondence{ofFirstCopy(a.connectivity(), b.connectivity(), match.map.images),
-                                ofFirstCopy(b.connectivity(), a.connectivity(), inverse)};
+      linkBordered(context, a.connectivity(), b.connectivity(), cover, boundary, points));
+  ASSIGN_OR_RETURN(
+      const HarmonicMatch match,
+      matchHarmonically(context, a.connectivity(), a.edgeLengths(), cover, start, options));
+  BorderedCorrespondence result;
+  for (Index v = 0; v < a.vertexCount(); ++v) {
+    const SurfacePoint point = foldedBack(match.map.images[v], b.faceCount());
+    result.images.push_back(
+        a.connectivity().isBoundaryVertex(v) ? ontoBoundary(b.connectivity(), point) : point);
+  }
+  ASSIGN_OR_RETURN(result.inverse,
+                   invertCoverMap(context, a.connectivity(), cover, match.map, b.vertexCount()));
+  for (Index v = 0; v < b.vertexCount(); ++v) {
+    if (!b.connectivity().isBoundaryVertex(v)) continue;
+    result.inverse[v] = ontoBoundary(a.connectivity(), result.inverse[v]);
+  }
+  return result;
 }
 
 }  // namespace moduli

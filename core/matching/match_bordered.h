@@ -14,13 +14,13 @@ struct BorderedCorrespondence {
   std::vector<SurfacePoint> inverse;  ///< Per vertex of b the point of a that goes there.
 };
 
-/// A map near pointwise guesses, boundary onto boundary: matchHarmonically of the doubles, which
-/// commutes with the reflections, so that boundaries, being geodesics, go to each other and
-/// vertices slide along them.
+/// A map near pointwise guesses, boundary onto boundary: matchHarmonically into the metric of b's
+/// double, where the boundary is made of geodesics along which a's boundary slides: half of a
+/// harmonic map of the doubles that commutes with their reflections.
 ///
 /// a, b: of one topology, with boundary, no disks, without edges inside that join boundary vertices
 /// (splitChords). points: per vertex of a. Fails as fitBoundary, straightCover, linkBordered,
-/// matchHarmonically and invertCoverMap do. Costs what the doubles' do.
+/// matchHarmonically and invertCoverMap do.
 Result<BorderedCorrespondence> matchBordered(Context& context, const TriangleMesh& a,
                                              const TriangleMesh& b,
                                              const std::vector<SurfacePoint>& points,

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "core/matching/boundary_links.h"
 #include "core/matching/close_links.h"
-#include "core/matching/doubled_map.h"
 
 namespace moduli {
 namespace {
@@ -164,7 +164,7 @@ class Linking {
     }
   }
 
-  /// All but the closure and the degree, which are those of closed surfaces.
+  /// All but what linksOf the map tell.
   Result<TargetLinks> run() {
     const Context::Stage stage(context_, "homotopy");
     RETURN_IF_ERROR(linkAround(std::vector<bool>(surface_.vertexCount(), true)));
@@ -306,12 +306,13 @@ class Linking {
   CoverMap map_;
 };
 
-/// Fails unless the targets cover a closed surface once.
-Result<TargetLinks> checked(const Connectivity& surface, const CoverSurface& cover,
+/// Fails unless the targets cover the other surface, of this area, once.
+Result<TargetLinks> checked(const Connectivity& surface, const CoverSurface& cover, double area,
                             TargetLinks found) {
   const VertexLinks links = linksOf(surface, cover, found.map);
   found.closure = closureResidual(surface, links);
-  found.degree = coveredArea(cover.geometry, surface, links) / cover.area;
+  found.area = coveredArea(cover.geometry, surface, links);
+  found.degree = found.area / area;
   if (std::lround(found.degree) == 1) return found;
   return Status(Reason::kNoConvergence,
                 "the places of vertices on the other surface cover it " +
@@ -343,13 +344,12 @@ Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
   ASSIGN_OR_RETURN(
       TargetLinks found,
       Linking(context, surface, cover, std::move(targets), cover.surface.vertexCount()).run());
-  return checked(surface, cover, std::move(found));
+  return checked(surface, cover, cover.area, std::move(found));
 }
 
 Result<TargetLinks> linkBordered(Context& context, const Connectivity& surface,
-                                 const DoubleCover& surface_double, const Connectivity& b,
-                                 const CoverSurface& cover, const BoundaryMap& boundary,
-                                 std::vector<SurfacePoint> targets) {
+                                 const Connectivity& b, const CoverSurface& cover,
+                                 const BoundaryMap& boundary, std::vector<SurfacePoint> targets) {
   RETURN_IF_ERROR(checkTargets(surface, cover, targets));
   for (Index v = 0; v < surface.vertexCount(); ++v) {
     if (surface.isBoundaryVertex(v)) targets[v] = boundary.points[v];
@@ -357,12 +357,8 @@ Result<TargetLinks> linkBordered(Context& context, const Connectivity& surface,
   Linking linking(context, surface, cover, std::move(targets), b.vertexCount());
   linking.setBoundary(boundaryTransitions(surface, b, cover, boundary));
   ASSIGN_OR_RETURN(TargetLinks found, linking.run());
-  found.map = doubledMap(surface, surface_double, cover, boundary, found.map);
-  found.replaced.resize(surface_double.connectivity.vertexCount());
-  for (Index v = 0; v < surface.vertexCount(); ++v) {
-    found.replaced[surface_double.involution[v]] = found.replaced[v];
-  }
-  return checked(surface_double.connectivity, cover, std::move(found));
+  found.slides = boundaryDirections(cover, boundary, found.map);
+  return checked(surface, cover, cover.area / 2, std::move(found));
 }
 
 }  // namespace moduli

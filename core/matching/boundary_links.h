@@ -1,14 +1,13 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "core/matching/boundary_map.h"
 #include "core/matching/cover_map.h"
-#include "core/mesh/double_cover.h"
 
-/// Maps of surfaces with boundary as maps of their doubles that commute with both reflections.
-///
-/// The cover is that of B's double; its first copy is numbered as B.
+/// What maps of surfaces with boundary have beside others. The cover is that of the double of B,
+/// whose first copy is numbered as B; there the boundary is made of geodesics.
 namespace moduli {
 
 /// Per halfedge of A, of use on the boundary: the transition from the coordinates of the face of
@@ -16,10 +15,10 @@ namespace moduli {
 std::vector<Motion> boundaryTransitions(const Connectivity& surface, const Connectivity& b,
                                         const CoverSurface& cover, const BoundaryMap& boundary);
 
-/// half: images, places and transitions of A alone, boundary vertices being where `boundary` has
-/// them. Gives the map of A's double whose mirror does in the mirror of B what A does in B. O(V+F).
-CoverMap doubledMap(const Connectivity& surface, const DoubleCover& surface_double,
-                    const CoverSurface& cover, const BoundaryMap& boundary, const CoverMap& half);
+/// Per vertex of A the direction of the boundary, of length 1, from the frame that linksOf has at
+/// it; 0 inside. map: has the boundary where `boundary` does. O(V).
+std::vector<Eigen::Vector2d> boundaryDirections(const CoverSurface& cover,
+                                                const BoundaryMap& boundary, const CoverMap& map);
 
 /// The point of the first copy that is the same or its mirror image. faces: of one copy. O(1).
 SurfacePoint foldedBack(const SurfacePoint& point, Index faces);
