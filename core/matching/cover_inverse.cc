@@ -40,6 +40,7 @@ SurfacePoint imageOf(const Connectivity& surface, const CoverSurface& cover, con
 Result<std::vector<SurfacePoint>> invertCoverMap(Context& context, const Connectivity& surface,
                                                  const CoverSurface& cover, const CoverMap& map,
                                                  Index vertices) {
+  if (vertices == kNone) vertices = cover.surface.vertexCount();
   const CoverPlane plane = cover.plane();
   const VertexLinks links = linksOf(surface, cover, map);
   const CoverSurface image =

@@ -15,7 +15,7 @@ Result<HandleCorrespondence> matchHandles(Context& context, const TriangleMesh& 
   ASSIGN_OR_RETURN(HarmonicMatch match, matchHarmonically(context, a.connectivity(),
                                                           a.edgeLengths(), cover, points, options));
   ASSIGN_OR_RETURN(std::vector<SurfacePoint> inverse,
-                   invertCoverMap(context, a.connectivity(), cover, match.map, b.vertexCount()));
+                   invertCoverMap(context, a.connectivity(), cover, match.map));
   std::vector<SurfacePoint> images = match.map.images;
   return HandleCorrespondence{std::move(images), std::move(inverse), std::move(match)};
 }
