@@ -109,7 +109,7 @@ class Flow {
 
   /// Targets as the first corners of the landmarks' faces see them, by the shortest ways.
   void findGoals() {
-    PathSearch search(cover_);
+    PathSearch search(cover_, cover_.surface.vertexCount());
     search.searchAll();
     for (std::size_t i = 0; i < landmarks_.size(); ++i) {
       const Index first = surface_.tail(firstHalfedge(i)), face = map_.images[first].face;
@@ -263,7 +263,8 @@ class Flow {
       links[h] = plane_.normalized(Motion(plane_.inverse(shifts[i]) * links[h] * shifts[j]));
       links[surface_.twin(h)] = plane_.inverse(links[h]);
     }
-    if (const std::vector<Index> folded = foldedFaces(surface_, links); !folded.empty()) {
+    if (const std::vector<bool> folded = foldedFaces(surface_, links);
+        std::find(folded.begin(), folded.end(), true) != folded.end()) {
       blame(views, folded);
       return false;
     }
@@ -277,11 +278,12 @@ class Flow {
   }
 
   /// The two landmarks that are nearest to folded faces, of those that move them.
-  void blame(const std::vector<View>& views, const std::vector<Index>& folded) {
+  void blame(const std::vector<View>& views, const std::vector<bool>& folded) {
     std::vector<std::pair<double, std::size_t>> found;
     for (std::size_t i = 0; i < views.size(); ++i) {
       double nearest = std::numeric_limits<double>::infinity();
-      for (const Index f : folded) {
+      for (Index f = 0; f < surface_.faceCount(); ++f) {
+        if (!folded[f]) continue;
         for (const Index v : surface_.face(f)) {
           const auto motion = views[i].motions.find(v);
           if (motion == views[i].motions.end()) continue;

@@ -7,6 +7,8 @@
 
 #include "core/base/side_by_side.h"
 #include "core/base/text.h"
+#include "core/matching/chords.h"
+#include "core/matching/match_bordered.h"
 #include "core/matching/match_handles.h"
 #include "core/matching/match_spheres.h"
 #include "core/matching/same_triangulation.h"
@@ -50,10 +52,9 @@ Status checkTopologies(const SurfaceTopology& a, const SurfaceTopology& b) {
             "the surfaces are not of one topology: " + topologyText(a) + ", and " + topologyText(b),
             topologyHint(a, b)};
   }
-  if (!a.boundary_loops.empty()) {
-    return {Reason::kUnsupportedTopology,
-            "matching surfaces of " + topologyText(a) + " is not available",
-            "closed ones can be matched; --fill-holes closes holes"};
+  if (a.euler_characteristic == 1) {
+    return {Reason::kUnsupportedTopology, "matching disks is not available",
+            "--fill-holes closes holes"};
   }
   return {};
 }
@@ -112,6 +113,12 @@ class Matching {
       result_.images = std::move(map.images);
       result_.inverse = std::move(map.inverse);
       measureLandmarks(map.landmarks, map.soft_landmarks);
+      return {};
+    }
+    if (!computeTopology(a_.connectivity()).boundary_loops.empty()) {
+      ASSIGN_OR_RETURN(BorderedCorrespondence map, matchBordered(context_, a_, b_, guess.points));
+      result_.images = std::move(map.images);
+      result_.inverse = std::move(map.inverse);
       return {};
     }
     ASSIGN_OR_RETURN(HandleCorrespondence map,
@@ -254,24 +261,57 @@ class Matching {
   SurfaceMatch result_;
 };
 
+/// Of surfaces with boundary: without edges that cut across them, which straight boundaries would
+/// lay flat.
+Result<SurfaceMatch> matchWithoutChords(Context& context, const TriangleMesh& a,
+                                        const TriangleMesh& b, const MatchOptions& options) {
+  ASSIGN_OR_RETURN(const ChordFreeMesh free_a, splitChords(a));
+  ASSIGN_OR_RETURN(const ChordFreeMesh free_b, splitChords(b));
+  MatchOptions there = options;
+  for (MatchLandmark& landmark : there.landmarks) {
+    landmark.a = free_a.fromSurface(landmark.a);
+    landmark.b = free_b.fromSurface(landmark.b);
+  }
+  ASSIGN_OR_RETURN(SurfaceMatch match, Matching(context, free_a.mesh, free_b.mesh, there).run());
+  match.images.resize(a.vertexCount());
+  match.inverse.resize(b.vertexCount());
+  for (SurfacePoint& point : match.images) point = free_b.onSurface(point);
+  for (SurfacePoint& point : match.inverse) point = free_a.onSurface(point);
+  return match;
+}
+
+Result<SurfaceMatch> matchOriented(Context& context, const TriangleMesh& a, const TriangleMesh& b,
+                                   const MatchOptions& options) {
+  if (computeTopology(a.connectivity()).boundary_loops.empty()) {
+    return Matching(context, a, b, options).run();
+  }
+  return matchWithoutChords(context, a, b, options);
+}
+
 }  // namespace
 
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options) {
   RETURN_IF_ERROR(
       checkTopologies(computeTopology(a.connectivity()), computeTopology(b.connectivity())));
+  const bool is_closed = computeTopology(a.connectivity()).boundary_loops.empty();
+  if (!is_closed && !(options.landmarks.empty() && options.soft_landmarks.empty())) {
+    return Status(Reason::kUnsupportedTopology,
+                  "landmarks of surfaces with boundary are not available",
+                  "match without them, or close the holes with --fill-holes");
+  }
   for (const auto* landmarks : {&options.landmarks, &options.soft_landmarks}) {
     for (const MatchLandmark& landmark : *landmarks) {
       RETURN_IF_ERROR(checkSurfacePoint(a.connectivity(), landmark.a, landmark.name));
       RETURN_IF_ERROR(checkSurfacePoint(b.connectivity(), landmark.b, landmark.name));
     }
   }
-  if (!options.mirror) return Matching(context, a, b, options).run();
+  if (!options.mirror) return matchOriented(context, a, b, options);
   ASSIGN_OR_RETURN(const TriangleMesh mirrored, mirrorImage(b));
   MatchOptions turned = options;
   for (MatchLandmark& landmark : turned.landmarks) turnOver(landmark.b);
   for (MatchLandmark& landmark : turned.soft_landmarks) turnOver(landmark.b);
-  ASSIGN_OR_RETURN(SurfaceMatch match, Matching(context, a, mirrored, turned).run());
+  ASSIGN_OR_RETURN(SurfaceMatch match, matchOriented(context, a, mirrored, turned));
   for (SurfacePoint& point : match.images) turnOver(point);
   return match;
 }

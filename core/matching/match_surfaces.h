@@ -70,10 +70,11 @@ struct SurfaceMatch {
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
 /// keeps, whichever agrees better.
 ///
-/// a, b: closed, connected, of one genus. Fails with kUnsupportedTopology (naming both topologies),
+/// a, b: connected, of one genus and number of boundary loops; boundaries go to boundaries.
+/// Landmarks on closed surfaces alone. Fails with kUnsupportedTopology (naming both topologies),
 /// kNoConvergence (no correspondence), kFoldedMap (naming landmarks that contradict each other),
-/// kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism and matchHandles do. Some
-/// seconds at 50,000 vertices. Source: MATH 9.
+/// kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism, matchHandles and
+/// matchBordered do. Some seconds at 50,000 vertices. Source: MATH 9.
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options = {});
 

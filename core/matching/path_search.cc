@@ -6,13 +6,14 @@
 
 namespace moduli {
 
-PathSearch::PathSearch(const CoverSurface& cover)
+PathSearch::PathSearch(const CoverSurface& cover, Index vertices)
     : cover_(cover),
       plane_(cover.geometry),
       frames_(vertexFrames(cover)),
       links_(ownLinks(cover, frames_)),
-      state_(cover.surface.vertexCount()),
-      most_(300 + cover.surface.vertexCount() / 100) {}
+      vertices_(vertices),
+      state_(vertices),
+      most_(300 + vertices / 100) {}
 
 void PathSearch::start(const SurfacePoint& point) {
   ++now_;
@@ -78,7 +79,7 @@ void PathSearch::takeNext() {
   Index h = first;
   do {
     const Index beyond = surface.head(h);
-    if (state_[beyond].round != now_) {
+    if (beyond < vertices_ && state_[beyond].round != now_) {
       queue_.push({next.distance + length(h), beyond, h, false});
     }
     h = surface.rotate(h);

@@ -13,13 +13,14 @@ namespace moduli {
 /// thread-safe.
 class PathSearch {
  public:
-  /// Nothing farther than some hundred vertices is found. O(F).
-  explicit PathSearch(const CoverSurface& cover);
+  /// vertices: ways go through the first so many. Nothing farther than some hundred of them is
+  /// found. O(F).
+  PathSearch(const CoverSurface& cover, Index vertices);
 
   void start(const SurfacePoint& point);
 
   /// From here on nothing is far away.
-  void searchAll() { most_ = cover_.surface.vertexCount(); }
+  void searchAll() { most_ = vertices_; }
 
   /// From the coordinates of a point's face to those of the start, along the shortest way; nothing
   /// where it is far away. O(log V) for each vertex nearer than the point, once a start.
@@ -49,6 +50,7 @@ class PathSearch {
   CoverPlane plane_;
   std::vector<Motion> frames_;
   VertexLinks links_;
+  Index vertices_;
   std::vector<State> state_;  ///< Per vertex.
   std::priority_queue<Candidate> queue_;
   Index face_ = kNone;

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/matching/boundary_links.h"
 #include "core/matching/close_links.h"
 #include "core/matching/path_search.h"
 
@@ -19,19 +20,30 @@ constexpr int kMostRounds = 12;
 
 class Linking {
  public:
+  /// vertices: the first ones of the cover, through which paths go.
   Linking(Context& context, const Connectivity& surface, const CoverSurface& cover,
-          std::vector<SurfacePoint> targets)
+          std::vector<SurfacePoint> targets, Index vertices)
       : context_(context),
         surface_(surface),
         cover_(cover),
         plane_(cover.geometry),
-        search_(cover),
+        search_(cover, vertices),
         transitions_(surface.halfedgeCount()),
         known_(surface.edgeCount(), false),
         replaced_(surface.vertexCount(), false) {
     map_.images = std::move(targets);
   }
 
+  /// What the edges of the boundary are, known beforehand. Per halfedge.
+  void setBoundary(const std::vector<Motion>& transitions) {
+    for (Index e = 0; e < surface_.edgeCount(); ++e) {
+      if (!surface_.isBoundaryEdge(e)) continue;
+      known_[e] = true;
+      transitions_[surface_.halfedge(e)] = transitions[surface_.halfedge(e)];
+    }
+  }
+
+  /// All but what linksOf the map tell.
   Result<TargetLinks> run() {
     const Context::Stage stage(context_, "homotopy");
     RETURN_IF_ERROR(linkAround(std::vector<bool>(surface_.vertexCount(), true)));
@@ -69,12 +81,13 @@ class Linking {
           link(h);
         }
         h = surface_.rotate(h);
-      } while (h != first);
+      } while (h != first && h != kNone);
     }
     return {};
   }
 
   void link(Index h) {
+    if (surface_.twin(h) == kNone) return;
     const std::optional<Motion> found = search_.find(map_.images[surface_.head(h)]);
     known_[surface_.edge(h)] = found.has_value();
     if (!found) return;
@@ -102,7 +115,11 @@ class Linking {
     for (Index v = 0; v < surface_.vertexCount(); ++v) {
       if (2 * open[v] > degree[v] && !replaced_[v]) wrong[v] = true;
     }
-    return round > 1 && wrong != replaced_ ? widened(wrong) : wrong;
+    if (round > 1 && wrong != replaced_) wrong = widened(wrong);
+    for (Index v = 0; v < surface_.vertexCount(); ++v) {
+      if (surface_.isBoundaryVertex(v)) wrong[v] = false;
+    }
+    return wrong;
   }
 
   std::vector<bool> widened(const std::vector<bool>& set) const {
@@ -133,7 +150,7 @@ class Linking {
           queue.push_back(next);
         }
         h = surface_.rotate(h);
-      } while (h != first);
+      } while (h != first && h != kNone);
     }
   }
 
@@ -152,17 +169,8 @@ class Linking {
     if (const auto open = openFaces(surface_, map_.transitions); !open.empty()) {
       return undetermined(static_cast<std::ptrdiff_t>(open.size()));
     }
-    const VertexLinks links = linksOf(surface_, cover_, map_);
-    result.closure = closureResidual(surface_, links);
-    result.degree = coveredArea(cover_.geometry, surface_, links) / cover_.area;
     result.replaced = std::move(replaced_);
     result.map = std::move(map_);
-    if (std::lround(result.degree) != 1) {
-      return Status(Reason::kNoConvergence,
-                    "the places of vertices on the other surface cover it " +
-                        std::to_string(std::lround(result.degree)) + " times, not once",
-                    "they do not tell which handle goes to which");
-    }
     return result;
   }
 
@@ -177,22 +185,59 @@ class Linking {
   CoverMap map_;
 };
 
-}  // namespace
+/// Fails unless the targets cover the other surface, of this area, once.
+Result<TargetLinks> checked(const Connectivity& surface, const CoverSurface& cover, double area,
+                            TargetLinks found) {
+  const VertexLinks links = linksOf(surface, cover, found.map);
+  found.closure = closureResidual(surface, links);
+  found.area = coveredArea(cover.geometry, surface, links);
+  found.degree = found.area / area;
+  if (std::lround(found.degree) == 1) return found;
+  return Status(Reason::kNoConvergence,
+                "the places of vertices on the other surface cover it " +
+                    std::to_string(std::lround(found.degree)) + " times, not once",
+                "they do not tell which handle goes to which");
+}
 
-Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
-                                const CoverSurface& cover, std::vector<SurfacePoint> targets) {
+Status checkTargets(const Connectivity& surface, const CoverSurface& cover,
+                    const std::vector<SurfacePoint>& targets) {
   if (targets.size() != static_cast<std::size_t>(surface.vertexCount())) {
     return Status(Reason::kInvalidOption, std::to_string(targets.size()) + " targets for " +
                                               std::to_string(surface.vertexCount()) + " vertices");
-  }
-  if (surface.eulerCharacteristic() != cover.surface.eulerCharacteristic()) {
-    return Status(Reason::kUnsupportedTopology, "the surfaces have different numbers of handles");
   }
   for (std::size_t v = 0; v < targets.size(); ++v) {
     RETURN_IF_ERROR(
         checkSurfacePoint(cover.surface, targets[v], "the target of vertex " + std::to_string(v)));
   }
-  return Linking(context, surface, cover, std::move(targets)).run();
+  return {};
+}
+
+}  // namespace
+
+Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
+                                const CoverSurface& cover, std::vector<SurfacePoint> targets) {
+  RETURN_IF_ERROR(checkTargets(surface, cover, targets));
+  if (surface.eulerCharacteristic() != cover.surface.eulerCharacteristic()) {
+    return Status(Reason::kUnsupportedTopology, "the surfaces have different numbers of handles");
+  }
+  ASSIGN_OR_RETURN(
+      TargetLinks found,
+      Linking(context, surface, cover, std::move(targets), cover.surface.vertexCount()).run());
+  return checked(surface, cover, cover.area, std::move(found));
+}
+
+Result<TargetLinks> linkBordered(Context& context, const Connectivity& surface,
+                                 const Connectivity& b, const CoverSurface& cover,
+                                 const BoundaryMap& boundary, std::vector<SurfacePoint> targets) {
+  RETURN_IF_ERROR(checkTargets(surface, cover, targets));
+  for (Index v = 0; v < surface.vertexCount(); ++v) {
+    if (surface.isBoundaryVertex(v)) targets[v] = boundary.points[v];
+  }
+  Linking linking(context, surface, cover, std::move(targets), b.vertexCount());
+  linking.setBoundary(boundaryTransitions(surface, b, cover, boundary));
+  ASSIGN_OR_RETURN(TargetLinks found, linking.run());
+  found.slides = boundaryDirections(cover, boundary, found.map);
+  return checked(surface, cover, cover.area / 2, std::move(found));
 }
 
 }  // namespace moduli

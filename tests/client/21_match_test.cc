@@ -145,14 +145,13 @@ TEST_F(Match, LandmarksAreMet) {
     EXPECT_LT((placeOf(map[v], copy_.soup) - lumpy().vertices[v]).norm(), 1e-9);
   }
   EXPECT_THAT(run(words).out, HasSubstr("landmarks are met up to "));
-  // Those that may be missed, here by next to nothing.
-  write("soft.txt", "60 " + std::to_string(copy_.image[60]) + "\n");
+  // One that is not where it belongs may be missed.
+  write("soft.txt", "60 " + std::to_string(copy_.image[61]) + "\n");
   std::vector<std::string> both = words;
   both.insert(both.end(), {"--soft-landmarks", "soft.txt"});
   const Json drawn = json(both);
   EXPECT_LT(drawn["certificate"]["landmark_error"].number(), 1e-9);
-  EXPECT_GT(drawn["certificate"]["soft_landmark_error"].number(), 1e-9);
-  EXPECT_LT(drawn["certificate"]["soft_landmark_error"].number(), 0.03);
+  EXPECT_GT(drawn["certificate"]["soft_landmark_error"].number(), 1e-6);
   EXPECT_THAT(run(both).out, HasSubstr("soft landmarks are missed by up to "));
   write("soft.txt", "60\n");
   expectRefusal(both, "error: soft.txt:1: has 1 word instead of two vertices");
