@@ -50,9 +50,8 @@ Status notMet(const std::vector<CoverLandmark>& landmarks, const std::vector<std
                 " contradict each other: faces around them fold before both are met",
             "leave one of them out, give it as a soft landmark, or refine the mesh between them"};
   }
-  return {Reason::kFoldedMap,
-          (around.empty() ? "the landmarks" : landmarks[around[0]].name) +
-              " cannot be met: faces around it fold",
+  const std::string name = around.empty() ? "a landmark" : landmarks[around[0]].name;
+  return {Reason::kFoldedMap, name + " cannot be met: faces around it fold",
           "leave it out, give it as a soft landmark, or refine the mesh around it"};
 }
 

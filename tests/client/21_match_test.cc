@@ -215,7 +215,7 @@ TEST_F(Match, SurfacesWithHandlesAreMatched) {
       }
     }
   }
-  // Landmarks are met on them, too; two that trade places cannot be.
+  // Landmarks are met on them, too; two of them cannot go to one place.
   write("marks.txt", "# faces\n7 0.5 0.25 0.25 7 1 0 0\n");
   const Json marked = json({"match", "g1.off", "g1.off", "--landmarks", "marks.txt"});
   EXPECT_LT(marked["certificate"]["landmark_error"].number(), 1e-9);
