@@ -7,6 +7,7 @@
 
 #include "core/base/side_by_side.h"
 #include "core/base/text.h"
+#include "core/matching/match_disks.h"
 #include "core/matching/match_handles.h"
 #include "core/matching/match_spheres.h"
 #include "core/matching/same_triangulation.h"
@@ -50,12 +51,18 @@ Status checkTopologies(const SurfaceTopology& a, const SurfaceTopology& b) {
             "the surfaces are not of one topology: " + topologyText(a) + ", and " + topologyText(b),
             topologyHint(a, b)};
   }
-  if (!a.boundary_loops.empty()) {
+  const bool disks = a.genus == 0 && a.boundary_loops.size() == 1;
+  if (!a.boundary_loops.empty() && !disks) {
     return {Reason::kUnsupportedTopology,
             "matching surfaces of " + topologyText(a) + " is not available",
-            "closed ones can be matched; --fill-holes closes holes"};
+            "closed ones and disks can be matched; --fill-holes closes holes"};
   }
   return {};
+}
+
+/// Of connected surfaces: 2 - 2 g - b is 1.
+bool isDisk(const Connectivity& surface) {
+  return surface.eulerCharacteristic() == 1;
 }
 
 /// Turned over: x with the other sign, and corners 1 and 2 of every face exchanged.
@@ -108,6 +115,12 @@ class Matching {
   Status straighten(const SpectralGuess& guess) {
     if (a_.connectivity().eulerCharacteristic() == 2) {
       ASSIGN_OR_RETURN(SphereCorrespondence map, matchSpheres(context_, a_, b_, guess, options_));
+      result_.images = std::move(map.images);
+      result_.inverse = std::move(map.inverse);
+      return {};
+    }
+    if (isDisk(a_.connectivity())) {
+      ASSIGN_OR_RETURN(SphereCorrespondence map, matchDisks(context_, a_, b_, guess, options_));
       result_.images = std::move(map.images);
       result_.inverse = std::move(map.inverse);
       return {};
@@ -248,7 +261,7 @@ Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, cons
                                    const MatchOptions& options) {
   RETURN_IF_ERROR(
       checkTopologies(computeTopology(a.connectivity()), computeTopology(b.connectivity())));
-  if (!options.landmarks.empty() && a.connectivity().eulerCharacteristic() != 2) {
+  if (!options.landmarks.empty() && a.connectivity().eulerCharacteristic() < 1) {
     return Status(Reason::kUnsupportedTopology,
                   "landmarks of surfaces with handles are not available",
                   "match without them; landmarks are met on surfaces of genus 0");

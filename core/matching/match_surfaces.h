@@ -67,7 +67,9 @@ struct SurfaceMatch {
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
 /// keeps, whichever agrees better.
 ///
-/// a, b: closed, connected, of one genus; landmarks on genus 0 alone. Fails with
+/// a, b: closed, connected, of one genus; or disks (genus 0, one boundary loop), whose boundary is
+/// mapped onto the other's: images of its vertices have a weight of 0 on an edge of it. Landmarks
+/// on genus 0 alone; those of disks are met by vertices that are put there. Fails with
 /// kUnsupportedTopology (naming both topologies), kNoConvergence (no correspondence), kFoldedMap,
 /// kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism and matchHandles do. Some
 /// seconds at 50,000 vertices. Source: MATH 9.
