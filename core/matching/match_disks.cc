@@ -110,7 +110,9 @@ class DiskMatching {
     ASSIGN_OR_RETURN(Points3 points, align());
     const DiskRim rim(to_->surface(), to_->points, to_->capped.positions());
     const bool conformal = guess_.method != MatchMethod::kNearIsometry;
-    if (conformal && options_.landmarks.empty()) return located(locator, rim, points);
+    if (conformal && options_.landmarks.empty()) {
+      return described(located(locator, rim, points), points);
+    }
     std::vector<VertexTarget> targets;
     if (conformal) {
       targets = conformalTargets(locator, rim, points);
@@ -125,11 +127,7 @@ class DiskMatching {
         fitHomeomorphism(
             context_, {from_->surface(), from_->capped.positions(), points, from_->pole(), exact_},
             {locator, to_->capped.positions(), to_->pole()}, targets, fitting));
-    SphereCorrespondence result;
-    for (Index v = 0; v < a_.vertexCount(); ++v) {
-      result.images.push_back(to_->split.before(map.images[v]));
-    }
-    return inverted(map.points, std::move(result));
+    return described(map.images, map.points);
   }
 
  private:
@@ -155,9 +153,8 @@ class DiskMatching {
     return {};
   }
 
-  bool isRim(Index v) const {
-    return v < a_.vertexCount() && a_.connectivity().isBoundaryVertex(v);
-  }
+  /// Of A as it is split.
+  bool isRim(Index v) const { return from_->split.mesh().connectivity().isBoundaryVertex(v); }
 
   /// A's half of the sphere moved onto B's.
   Result<Points3> align() {
@@ -188,7 +185,7 @@ class DiskMatching {
     std::vector<double> begin, there;
     for (Index i = 0; i < own.size(); ++i) {
       const Index v = from_->surface().tail(own.halfedge(i));
-      if (!isRim(v)) continue;  // A landmark on an edge.
+      if (v >= a_.vertexCount()) continue;  // A landmark on an edge.
       vertices.push_back(v);
       begin.push_back(own.begin(i) / own.length());
       there.push_back(finder.placeNear(to_->split.after(guess_.points[v])) / rim.length());
@@ -203,8 +200,8 @@ class DiskMatching {
   std::vector<VertexTarget> conformalTargets(const SphereLocator& locator, const DiskRim& rim,
                                              const Points3& points) const {
     std::vector<VertexTarget> targets;
-    for (Index v = 0; v < a_.vertexCount(); ++v) {
-      targets.push_back({v, isRim(v) ? rim.at(points[v]) : locator.locate(points[v]), 1});
+    for (const SurfacePoint& image : located(locator, rim, points)) {
+      targets.push_back({static_cast<Index>(targets.size()), image, 1});
     }
     return targets;
   }
@@ -217,27 +214,37 @@ class DiskMatching {
     exact_.push_back({v, landmark.name});
   }
 
-  /// Where A's vertices are on B, and back.
-  Result<SphereCorrespondence> located(const SphereLocator& locator, const DiskRim& rim,
-                                       const Points3& points) const {
-    SphereCorrespondence result;
-    for (Index v = 0; v < a_.vertexCount(); ++v) {
-      result.images.push_back(
-          to_->split.before(isRim(v) ? rim.at(points[v]) : locator.locate(points[v])));
+  /// Where the vertices are on B.
+  std::vector<SurfacePoint> located(const SphereLocator& locator, const DiskRim& rim,
+                                    const Points3& points) const {
+    std::vector<SurfacePoint> images;
+    for (Index v = 0; v < from_->pole(); ++v) {
+      images.push_back(isRim(v) ? rim.at(points[v]) : locator.locate(points[v]));
     }
-    return inverted(points, std::move(result));
+    return images;
   }
 
-  Result<SphereCorrespondence> inverted(const Points3& points, SphereCorrespondence result) const {
+  /// images: per vertex of A as it is split. points: the same on B's sphere, and the pole.
+  Result<SphereCorrespondence> described(const std::vector<SurfacePoint>& images,
+                                         const Points3& points) const {
     const Context::Stage stage(context_, "locate");
+    SphereCorrespondence result;
+    std::vector<Eigen::Vector3d> places;
+    for (Index v = 0; v < from_->pole(); ++v) {
+      const SurfacePoint image = to_->split.before(images[v]);
+      places.push_back(spacePoint(b_.connectivity(), b_.positions(), image));
+      if (v < a_.vertexCount()) result.images.push_back(image);
+    }
+    const TriangleMesh& parts = from_->split.mesh();
+    result.report = measureSpaceMap(parts.connectivity(), parts.positions(), places);
+    result.distance = isometricDistortion(parts.connectivity(), parts.positions(), places);
     ASSIGN_OR_RETURN(const SphereLocator back, SphereLocator::make(from_->surface(), points));
     const DiskRim rim(from_->surface(), points, from_->capped.positions());
     for (Index w = 0; w < b_.vertexCount(); ++w) {
       if (w % 10000 == 0) RETURN_IF_ERROR(context_.check());
       const Eigen::Vector3d& there = to_->points[w];
-      const SurfacePoint from =
-          b_.connectivity().isBoundaryVertex(w) ? rim.at(there) : back.locate(there);
-      result.inverse.push_back(from_->split.before(from));
+      const bool on_rim = b_.connectivity().isBoundaryVertex(w);
+      result.inverse.push_back(from_->split.before(on_rim ? rim.at(there) : back.locate(there)));
     }
     return result;
   }

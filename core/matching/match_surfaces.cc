@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "core/base/side_by_side.h"
@@ -123,6 +124,7 @@ class Matching {
       ASSIGN_OR_RETURN(SphereCorrespondence map, matchDisks(context_, a_, b_, guess, options_));
       result_.images = std::move(map.images);
       result_.inverse = std::move(map.inverse);
+      measured_ = std::pair(*map.report, *map.distance);
       return {};
     }
     ASSIGN_OR_RETURN(HandleCorrespondence map, matchHandles(context_, a_, b_, guess.points));
@@ -230,8 +232,12 @@ class Matching {
     for (const SurfacePoint& point : result_.images) {
       places.push_back(spacePoint(b_.connectivity(), b_.positions(), point));
     }
-    result_.report = measureSpaceMap(a_.connectivity(), a_.positions(), places);
-    result_.distance = isometricDistortion(a_.connectivity(), a_.positions(), places);
+    if (measured_) {
+      std::tie(result_.report, result_.distance) = *measured_;
+    } else {
+      result_.report = measureSpaceMap(a_.connectivity(), a_.positions(), places);
+      result_.distance = isometricDistortion(a_.connectivity(), a_.positions(), places);
+    }
     result_.cycle_error = cycleError(a_.connectivity(), a_.positions(), result_.images,
                                      b_.connectivity(), result_.inverse) /
                           std::sqrt(a_.area());
@@ -251,7 +257,8 @@ class Matching {
   const TriangleMesh& a_;
   const TriangleMesh& b_;
   const MatchOptions& options_;
-  std::optional<Pair> own_;  ///< By their own metrics.
+  std::optional<std::pair<MapReport, double>> measured_;  ///< Of parts of faces.
+  std::optional<Pair> own_;                               ///< By their own metrics.
   SurfaceMatch result_;
 };
 

@@ -51,7 +51,9 @@ struct SurfaceMatch {
   std::vector<SurfacePoint> images;   ///< Per vertex of a its point of b.
   std::vector<SurfacePoint> inverse;  ///< Per vertex of b the point of a that goes there.
   MatchMethod method = MatchMethod::kNearIsometry;
-  MapReport report;  ///< No face is folded.
+  /// No face is folded. On disks faces with all corners on the boundary, and those at edges inside
+  /// that join two such, count by their parts: see matchDisks.
+  MapReport report;
   /// How far the map is from one that keeps all lengths but for one scale: the root mean square, by
   /// area, of the logarithms of both singular values of its faces, less their mean. No unit; 0 for
   /// similar surfaces.

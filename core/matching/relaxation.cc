@@ -127,8 +127,8 @@ Eigen::Vector3d Relaxation::newtonStep(const Star& star, Index v, double& expect
   const Attraction& to = (*attractions_)[v];
   const Eigen::Vector3d away = here.space - to.place;
   const double s2 = scale_ * scale_, share = s2 / (s2 + away.squaredNorm());
-  const double hold = mesh_.isHeld(v) ? kHold : share * share;
-  const double pull = 2 * pull_ * to.weight * star.mass * hold;
+  const double full = 2 * pull_ * to.weight * star.mass;
+  const double pull = mesh_.isHeld(v) ? full * kHold : full * share * share;
   gradient += pull * away;
   hessian.diagonal().array() += pull;
   const Eigen::Vector3d step = mesh_.isRim(v)

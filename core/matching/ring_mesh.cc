@@ -29,7 +29,7 @@ Status checkRing(const Ring& ring, Index v) {
 /// On a disk two vertices of the rim are joined along the rim alone: by an edge of a cap's face.
 Status checkRim(const RingMesh& mesh, Index v) {
   const auto joined = std::count_if(mesh.ring(v).begin(), mesh.ring(v).end(),
-                                     [&](Index w) { return mesh.isRim(w); });
+                                    [&](Index w) { return mesh.isRim(w); });
   if (joined == 2) return {};
   return {Reason::kUnsupportedTopology, "an edge inside joins boundary vertex " +
                                             std::to_string(v) + " to another boundary vertex"};
