@@ -12,8 +12,9 @@ namespace moduli {
 Result<TriangleMesh> cappedDisk(const TriangleMesh& disk);
 
 /// A conformal map of a disk to the northern half of the sphere without folded faces: the robust
-/// map to the disk, or the linear one where that fails, and the few vertices at faces that it folds
-/// moved. Per vertex of cappedDisk(disk), whose pole is at the south pole: as DiskRim asks for.
+/// map to the disk, and the few vertices at faces that it folds moved. Where that fails, the same
+/// from the other starting triangulation; the linear map; at last Tutte's, which is not conformal.
+/// Per vertex of cappedDisk(disk), whose pole is at the south pole: as DiskRim asks for.
 /// disk: no edge inside joins two vertices of the boundary, and every face has a corner inside.
 /// capped: cappedDisk of it. Fails with kFoldedMap, and as mapToIdealDisk and mollify do.
 Result<Points3> conformalHemisphere(Context& context, const TriangleMesh& disk,

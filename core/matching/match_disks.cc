@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <complex>
 #include <limits>
 #include <optional>
@@ -20,10 +21,15 @@
 namespace moduli {
 namespace {
 
-/// As for spheres: keeps the Möbius map from squeezing.
-constexpr double kRotationPreference = 0.001;
-/// Where only landmarks draw a conformal map away from itself: it is to stay near.
-constexpr double kConformalSmoothing = 0.02;
+/// Beside the mean squared distance of the samples: keeps the Möbius map from squeezing where they
+/// do not tell. As small as that, for what is on limbs near the boundary is squeezed into tiny
+/// parts of the half sphere, and missed by a little more.
+constexpr double kRotationPreference = 1e-5;
+/// A conformal map is taken as it is where it is no farther from the guess than the guess itself is
+/// off, as a share of the root of the area;
+constexpr double kGuessError = 0.005;
+/// else, and to meet landmarks, it is drawn there, with little regard to lengths.
+constexpr double kConformalSmoothing = 0.03;
 
 /// A disk made ready: split, closed and mapped.
 struct Disk {
@@ -110,15 +116,10 @@ class DiskMatching {
     ASSIGN_OR_RETURN(Points3 points, align());
     const DiskRim rim(to_->surface(), to_->points, to_->capped.positions());
     const bool conformal = guess_.method != MatchMethod::kNearIsometry;
-    if (conformal && options_.landmarks.empty()) {
-      return described(located(locator, rim, points), points);
-    }
-    std::vector<VertexTarget> targets;
-    if (conformal) {
-      targets = conformalTargets(locator, rim, points);
-    } else {
-      targets = spectralTargets(rim);
-    }
+    std::vector<SurfacePoint> images = located(locator, rim, points);
+    const bool good = conformal && distanceFromGuess(images) < kGuessError;
+    if (good && options_.landmarks.empty()) return described(images, points);
+    std::vector<VertexTarget> targets = good ? targetsAt(images) : spectralTargets(rim);
     for (std::size_t i = 0; i < options_.landmarks.size(); ++i) addLandmark(i, targets);
     HomeomorphismOptions fitting;
     if (conformal) fitting.smoothing = kConformalSmoothing;
@@ -197,13 +198,24 @@ class DiskMatching {
     return targets;
   }
 
-  std::vector<VertexTarget> conformalTargets(const SphereLocator& locator, const DiskRim& rim,
-                                             const Points3& points) const {
+  static std::vector<VertexTarget> targetsAt(const std::vector<SurfacePoint>& images) {
     std::vector<VertexTarget> targets;
-    for (const SurfacePoint& image : located(locator, rim, points)) {
+    for (const SurfacePoint& image : images) {
       targets.push_back({static_cast<Index>(targets.size()), image, 1});
     }
     return targets;
+  }
+
+  /// Mean over A's vertices, over the root of B's area.
+  double distanceFromGuess(const std::vector<SurfacePoint>& images) const {
+    const TriangleMesh& parts = to_->split.mesh();
+    double sum = 0;
+    for (Index v = 0; v < a_.vertexCount(); ++v) {
+      sum += (spacePoint(parts.connectivity(), parts.positions(), images[v]) -
+              spacePoint(b_.connectivity(), b_.positions(), guess_.points[v]))
+                 .norm();
+    }
+    return sum / a_.vertexCount() / std::sqrt(b_.area());
   }
 
   void addLandmark(std::size_t i, std::vector<VertexTarget>& targets) {

@@ -7,10 +7,11 @@ namespace moduli {
 
 /// A map of disks near a guess, boundary onto boundary, without folded faces: the automorphism of
 /// the disk between their conformal maps that brings samples nearest to where they ought to go; for
-/// near isometries, and where there are landmarks, then fitHomeomorphism, with targets of the
-/// boundary put in order along it. Points of the boundary come with a weight of 0, on an edge of
-/// it. Edges inside that join vertices of the boundary are split at their middles to that end: the
-/// map is linear (on the sphere) on the parts of faces that this makes.
+/// near isometries, where that map misses the guess, and where there are landmarks, then
+/// fitHomeomorphism, with targets of the boundary put in order along it. Points of the boundary
+/// come with a weight of 0, on an edge of it. Edges inside that join vertices of the boundary are
+/// split at their middles to that end: the map is linear (on the sphere) on the parts of faces that
+/// this makes.
 ///
 /// Fails with kInvalidOption naming a landmark (on the boundary of one surface, not on that of the
 /// other), kFoldedMap, and as conformalHemisphere and fitHomeomorphism do.
