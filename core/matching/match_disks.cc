@@ -120,7 +120,9 @@ class DiskMatching {
     const bool good = conformal && distanceFromGuess(images) < kGuessError;
     if (good && options_.landmarks.empty()) return described(images, points);
     std::vector<VertexTarget> targets = good ? targetsAt(images) : spectralTargets(rim);
-    for (std::size_t i = 0; i < options_.landmarks.size(); ++i) addLandmark(i, targets);
+    for (std::size_t i = 0; i < options_.landmarks.size(); ++i) {
+      RETURN_IF_ERROR(addLandmark(i, targets));
+    }
     HomeomorphismOptions fitting;
     if (conformal) fitting.smoothing = kConformalSmoothing;
     ASSIGN_OR_RETURN(
@@ -218,12 +220,18 @@ class DiskMatching {
     return sum / a_.vertexCount() / std::sqrt(b_.area());
   }
 
-  void addLandmark(std::size_t i, std::vector<VertexTarget>& targets) {
+  Status addLandmark(std::size_t i, std::vector<VertexTarget>& targets) {
     const Index v = from_->split.vertices()[i];
     const MatchLandmark& landmark = options_.landmarks[i];
+    for (const auto& [other, name] : exact_) {
+      if (other != v) continue;
+      return {Reason::kInvalidOption,
+              name + " and " + landmark.name + " are at one point of the first surface"};
+    }
     std::erase_if(targets, [v](const VertexTarget& target) { return target.vertex == v; });
     targets.push_back({v, to_->split.after(landmark.b), 1});
     exact_.push_back({v, landmark.name});
+    return {};
   }
 
   /// Where the vertices are on B.

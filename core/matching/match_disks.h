@@ -14,7 +14,8 @@ namespace moduli {
 /// this makes.
 ///
 /// Fails with kInvalidOption naming a landmark (on the boundary of one surface, not on that of the
-/// other), kFoldedMap, and as conformalHemisphere and fitHomeomorphism do.
+/// other; two at one point), kFoldedMap (naming one that is not met), and as conformalHemisphere
+/// and fitHomeomorphism do.
 Result<SphereCorrespondence> matchDisks(Context& context, const TriangleMesh& a,
                                         const TriangleMesh& b, const SpectralGuess& guess,
                                         const MatchOptions& options);

@@ -181,10 +181,10 @@ TEST(MatchSurfaces, NamesTopologiesThatDiffer) {
 }
 
 TEST(MatchSurfaces, SaysWhatIsNotAvailable) {
-  const TriangleMesh disk = meshOf(*makeSample("disk", {{"resolution", 6}}));
+  const TriangleMesh ring = meshOf(*makeSample("annulus", {{"resolution", 6}}));
   const TriangleMesh torus = meshOf(*makeSample("torus", {{"R", 2}, {"r", 1}, {"resolution", 8}}));
   Context context;
-  const auto bordered = matchSurfaces(context, disk, disk, surfacesAlone());
+  const auto bordered = matchSurfaces(context, ring, ring, surfacesAlone());
   EXPECT_THAT(bordered, FailsWith(Reason::kUnsupportedTopology));
   EXPECT_THAT(bordered.status().hint(), testing::HasSubstr("--fill-holes"));
   MatchOptions options;
