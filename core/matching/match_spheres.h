@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/base/context.h"
@@ -20,7 +21,11 @@ struct SpectralGuess {
 /// Per vertex of a a point of the sphere of b, without folded faces, and the same as points of b.
 struct SphereCorrespondence {
   std::vector<SurfacePoint> images, inverse;
-  std::vector<SurfacePoint> landmarks, soft_landmarks;  ///< Where those of the options go.
+  std::vector<SurfacePoint> landmarks = {},
+                            soft_landmarks = {};  ///< Where those of the options go.
+  /// Of the parts of faces that the map is linear on, where those are not the faces themselves.
+  std::optional<MapReport> report = {};
+  std::optional<double> distance = {};  ///< isometricDistortion of the same.
 };
 
 /// A map of spheres near a guess: the Möbius map between their conformal maps that brings samples

@@ -3,16 +3,18 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "core/base/side_by_side.h"
 #include "core/base/text.h"
-#include "core/matching/chords.h"
 #include "core/matching/match_bordered.h"
+#include "core/matching/match_disks.h"
 #include "core/matching/match_handles.h"
 #include "core/matching/match_spheres.h"
 #include "core/matching/same_triangulation.h"
 #include "core/matching/spectral_match.h"
+#include "core/matching/split_surface.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli {
@@ -52,11 +54,12 @@ Status checkTopologies(const SurfaceTopology& a, const SurfaceTopology& b) {
             "the surfaces are not of one topology: " + topologyText(a) + ", and " + topologyText(b),
             topologyHint(a, b)};
   }
-  if (a.euler_characteristic == 1) {
-    return {Reason::kUnsupportedTopology, "matching disks is not available",
-            "--fill-holes closes holes"};
-  }
   return {};
+}
+
+/// Of connected surfaces: 2 - 2 g - b is 1.
+bool isDisk(const Connectivity& surface) {
+  return surface.eulerCharacteristic() == 1;
 }
 
 /// Turned over: x with the other sign, and corners 1 and 2 of every face exchanged.
@@ -112,6 +115,14 @@ class Matching {
       ASSIGN_OR_RETURN(SphereCorrespondence map, matchSpheres(context_, a_, b_, guess, options_));
       result_.images = std::move(map.images);
       result_.inverse = std::move(map.inverse);
+      measureLandmarks(map.landmarks, map.soft_landmarks);
+      return {};
+    }
+    if (isDisk(a_.connectivity())) {
+      ASSIGN_OR_RETURN(SphereCorrespondence map, matchDisks(context_, a_, b_, guess, options_));
+      result_.images = std::move(map.images);
+      result_.inverse = std::move(map.inverse);
+      measured_ = std::pair(*map.report, *map.distance);
       measureLandmarks(map.landmarks, map.soft_landmarks);
       return {};
     }
@@ -245,8 +256,12 @@ class Matching {
     for (const SurfacePoint& point : result_.images) {
       places.push_back(spacePoint(b_.connectivity(), b_.positions(), point));
     }
-    result_.report = measureSpaceMap(a_.connectivity(), a_.positions(), places);
-    result_.distance = isometricDistortion(a_.connectivity(), a_.positions(), places);
+    if (measured_) {
+      std::tie(result_.report, result_.distance) = *measured_;
+    } else {
+      result_.report = measureSpaceMap(a_.connectivity(), a_.positions(), places);
+      result_.distance = isometricDistortion(a_.connectivity(), a_.positions(), places);
+    }
     result_.cycle_error = cycleError(a_.connectivity(), a_.positions(), result_.images,
                                      b_.connectivity(), result_.inverse) /
                           std::sqrt(a_.area());
@@ -257,32 +272,34 @@ class Matching {
   const TriangleMesh& a_;
   const TriangleMesh& b_;
   const MatchOptions& options_;
-  std::optional<Pair> own_;  ///< By their own metrics.
+  std::optional<std::pair<MapReport, double>> measured_;  ///< Of parts of faces.
+  std::optional<Pair> own_;                               ///< By their own metrics.
   SurfaceMatch result_;
 };
 
-/// Of surfaces with boundary: without edges that cut across them, which straight boundaries would
-/// lay flat.
+/// Of surfaces with boundary other than disks: without edges that cut across them, which straight
+/// boundaries would lay flat.
 Result<SurfaceMatch> matchWithoutChords(Context& context, const TriangleMesh& a,
                                         const TriangleMesh& b, const MatchOptions& options) {
-  ASSIGN_OR_RETURN(const ChordFreeMesh free_a, splitChords(a));
-  ASSIGN_OR_RETURN(const ChordFreeMesh free_b, splitChords(b));
+  ASSIGN_OR_RETURN(const SplitSurface free_a, SplitSurface::make(a));
+  ASSIGN_OR_RETURN(const SplitSurface free_b, SplitSurface::make(b));
   MatchOptions there = options;
   for (MatchLandmark& landmark : there.landmarks) {
-    landmark.a = free_a.fromSurface(landmark.a);
-    landmark.b = free_b.fromSurface(landmark.b);
+    landmark.a = free_a.after(landmark.a);
+    landmark.b = free_b.after(landmark.b);
   }
-  ASSIGN_OR_RETURN(SurfaceMatch match, Matching(context, free_a.mesh, free_b.mesh, there).run());
+  ASSIGN_OR_RETURN(SurfaceMatch match,
+                   Matching(context, free_a.mesh(), free_b.mesh(), there).run());
   match.images.resize(a.vertexCount());
   match.inverse.resize(b.vertexCount());
-  for (SurfacePoint& point : match.images) point = free_b.onSurface(point);
-  for (SurfacePoint& point : match.inverse) point = free_a.onSurface(point);
+  for (SurfacePoint& point : match.images) point = free_b.before(point);
+  for (SurfacePoint& point : match.inverse) point = free_a.before(point);
   return match;
 }
 
 Result<SurfaceMatch> matchOriented(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options) {
-  if (computeTopology(a.connectivity()).boundary_loops.empty()) {
+  if (isDisk(a.connectivity()) || computeTopology(a.connectivity()).boundary_loops.empty()) {
     return Matching(context, a, b, options).run();
   }
   return matchWithoutChords(context, a, b, options);
@@ -295,9 +312,12 @@ Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, cons
   RETURN_IF_ERROR(
       checkTopologies(computeTopology(a.connectivity()), computeTopology(b.connectivity())));
   const bool is_closed = computeTopology(a.connectivity()).boundary_loops.empty();
-  if (!is_closed && !(options.landmarks.empty() && options.soft_landmarks.empty())) {
+  const bool is_disk = isDisk(a.connectivity());
+  if (!is_closed && ((!is_disk && !options.landmarks.empty()) || !options.soft_landmarks.empty())) {
     return Status(Reason::kUnsupportedTopology,
-                  "landmarks of surfaces with boundary are not available",
+                  is_disk
+                      ? "soft landmarks of disks are not available"
+                      : "landmarks of surfaces with boundary other than disks are not available",
                   "match without them, or close the holes with --fill-holes");
   }
   for (const auto* landmarks : {&options.landmarks, &options.soft_landmarks}) {

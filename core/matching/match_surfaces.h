@@ -53,7 +53,9 @@ struct SurfaceMatch {
   std::vector<SurfacePoint> images;   ///< Per vertex of a its point of b.
   std::vector<SurfacePoint> inverse;  ///< Per vertex of b the point of a that goes there.
   MatchMethod method = MatchMethod::kNearIsometry;
-  MapReport report;  ///< No face is folded.
+  /// No face is folded. On disks faces with all corners on the boundary, and those at edges inside
+  /// that join two such, count by their parts: see matchDisks.
+  MapReport report;
   /// How far the map is from one that keeps all lengths but for one scale: the root mean square, by
   /// area, of the logarithms of both singular values of its faces, less their mean. No unit; 0 for
   /// similar surfaces.
@@ -70,11 +72,13 @@ struct SurfaceMatch {
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
 /// keeps, whichever agrees better.
 ///
-/// a, b: connected, of one genus and number of boundary loops; boundaries go to boundaries.
-/// Landmarks on closed surfaces alone. Fails with kUnsupportedTopology (naming both topologies),
-/// kNoConvergence (no correspondence), kFoldedMap (naming landmarks that contradict each other),
-/// kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism, matchHandles and
-/// matchBordered do. Some seconds at 50,000 vertices. Source: MATH 9.
+/// a, b: connected, of one genus and number of boundary loops. Boundaries are mapped onto each
+/// other: images of their vertices have a weight of 0 on an edge of the boundary, or 1 at a vertex
+/// of it. Landmarks on closed surfaces and on disks alone, soft ones on closed surfaces; those of
+/// disks are met by vertices that are put there. Fails with kUnsupportedTopology (naming both
+/// topologies), kNoConvergence (no correspondence), kFoldedMap (naming landmarks that contradict
+/// each other), kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism,
+/// matchHandles, matchDisks and matchBordered do. Some seconds at 50,000 vertices. Source: MATH 9.
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options = {});
 
