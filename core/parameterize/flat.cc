@@ -13,6 +13,7 @@
 #include "core/intrinsic/mollify.h"
 #include "core/mesh/double_cover.h"
 #include "core/parameterize/flat_faces.h"
+#include "core/parameterize/flatten.h"
 #include "core/parameterize/genus_zero.h"
 #include "core/parameterize/holonomy.h"
 #include "core/parameterize/layout.h"
@@ -46,35 +47,33 @@ class Flattening {
     bordered_ = !loops_.empty();
   }
 
-  Result<Parameterization> run() {
+  Result<FlatMap> run() {
     ASSIGN_OR_RETURN(target_, flatTarget(surface_, options_.cones, options_.boundary, lengths_));
     RETURN_IF_ERROR(options_.scheme == Scheme::kVertexScaling ? scaleVertices() : packCircles());
-    return layOutFaces(surface_, charts_, nullptr);
+    return layOutFaces({surface_, charts_});
   }
 
   /// After a run that folded: with faces cut.
-  Result<Parameterization> runRefined() {
+  Result<FlatMap> runRefined() {
     ASSIGN_OR_RETURN(FlatFaces faces, refineFlatFaces(context_, surface_, *metric_));
-    result_.subdivision = std::move(faces.subdivision);
-    return layOutFaces(faces.surface, faces.charts, &*result_.subdivision);
+    return layOutFaces(std::move(faces));
   }
 
   bool mayRefine() const { return options_.refine && metric_.has_value(); }
 
  private:
-  /// faces: the surface's or, of a subdivision of it, the pieces.
-  Result<Parameterization> layOutFaces(const Connectivity& faces, const FlatCharts& charts,
-                                       const Subdivision* subdivision) {
+  Result<FlatMap> layOutFaces(FlatFaces flat) {
+    const Connectivity& faces = flat.surface;
     const Context::Stage stage(context_, "layout");
     RETURN_IF_ERROR(context_.check());
     std::vector<bool> is_cone(faces.vertexCount(), false);
     for (Index v = 0; v < surface_.vertexCount(); ++v) is_cone[v] = target_[v] != 0;
-    PlanarLayout layout = layOut(faces, charts, is_cone);
+    PlanarLayout layout = layOut(faces, flat.charts, is_cone);
     certificate().layout_closure = layout.closure;
     RETURN_IF_ERROR(judgeMetric());
     result_.points = std::move(layout.points);
     result_.corner = std::move(layout.corner);
-    RETURN_IF_ERROR(judgeFaces(faces, charts, subdivision));
+    RETURN_IF_ERROR(judgeFaces(flat));
     ConeDomain& domain = result_.cones.emplace();
     domain.cones = options_.cones;
     if (!bordered_) domain.handle_turns = handleTurns(faces, result_.points, result_.corner);
@@ -82,7 +81,8 @@ class Flattening {
     if (options_.cut_overlaps) {
       certificate().islands = cutOverlaps(faces, result_.points, result_.corner);
     }
-    return result_;
+    result_.subdivision = flat.subdivision;
+    return FlatMap{result_, std::move(flat)};
   }
 
   MapCertificate& certificate() { return result_.certificate; }
@@ -275,15 +275,15 @@ class Flattening {
   }
 
   /// Scales the layout to the surface's area and compares its faces with the surface's.
-  Status judgeFaces(const Connectivity& faces, const FlatCharts& charts,
-                    const Subdivision* subdivision) {
+  Status judgeFaces(FlatFaces& flat) {
+    const Connectivity& faces = flat.surface;
     double area = 0, image = 0;
     for (const double face : faceAreas(surface_, lengths_)) area += face;
-    for (Index f = 0; f < faces.faceCount(); ++f) image += doubledArea(charts, f) / 2;
+    for (Index f = 0; f < faces.faceCount(); ++f) image += doubledArea(flat.charts, f) / 2;
     certificate().quality = measurePlaneMap(
         faces,
-        subdivision != nullptr ? subdividedLengths(surface_, lengths_, *subdivision, faces)
-                               : lengths_,
+        flat.subdivision ? subdividedLengths(surface_, lengths_, *flat.subdivision, faces)
+                         : lengths_,
         result_.points, result_.corner);
     const Index flipped = certificate().quality.flipped_faces;
     if (flipped > 0) {
@@ -292,6 +292,7 @@ class Flattening {
     }
     const double scale = std::sqrt(area / image);
     for (std::complex<double>& point : result_.points) point *= scale;
+    for (std::complex<double>& side : flat.charts) side *= scale;
     return {};
   }
 
@@ -309,23 +310,29 @@ class Flattening {
 
 }  // namespace
 
-Result<Parameterization> parameterizeFlat(Context& context, const Connectivity& surface,
-                                          const std::vector<double>& lengths,
-                                          const FlatOptions& options) {
+Result<FlatMap> flatten(Context& context, const Connectivity& surface,
+                        const std::vector<double>& lengths, const FlatOptions& options) {
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
   Flattening first(context, surface, mollified.lengths, options);
-  Result<Parameterization> result = first.run();
+  Result<FlatMap> result = first.run();
   const auto folds = [&] { return result.status().reason() == Reason::kFoldedMap; };
   if (folds() && options.scheme == Scheme::kVertexScaling) {
     FlatOptions other = options;
     other.initial_delaunay = !options.initial_delaunay;
-    Result<Parameterization> second = Flattening(context, surface, mollified.lengths, other).run();
+    Result<FlatMap> second = Flattening(context, surface, mollified.lengths, other).run();
     if (second.status().reason() != Reason::kFoldedMap) result = std::move(second);
   }
   if (folds() && first.mayRefine()) result = first.runRefined();
   RETURN_IF_ERROR(result.status());
-  result->certificate.mollification = mollified.relative_shift;
+  result->map.certificate.mollification = mollified.relative_shift;
   return result;
+}
+
+Result<Parameterization> parameterizeFlat(Context& context, const Connectivity& surface,
+                                          const std::vector<double>& lengths,
+                                          const FlatOptions& options) {
+  ASSIGN_OR_RETURN(FlatMap flat, flatten(context, surface, lengths, options));
+  return std::move(flat.map);
 }
 
 }  // namespace moduli

@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "core/forms/holomorphic.h"
 #include "core/hyperbolic/su11.h"
 #include "core/intrinsic/subdivide.h"
+#include "core/parameterize/affine_atlas.h"
 #include "core/ricci/target_curvature.h"
 #include "core/spherical/circle.h"
 #include "core/spherical/map_quality.h"
@@ -100,6 +102,15 @@ struct ConeDomain {
   std::vector<double> handle_turns;
 };
 
+/// What belongs to an integral of a closed form whose periods are Gaussian integers.
+struct QuadDomain {
+  std::vector<FormZero> zeros;  ///< Of its real part, see zerosOfForm: the indices sum to chi.
+  std::vector<std::complex<double>> periods;  ///< Of the classes alpha_1 .. beta_g, whole numbers.
+  double squares = 0;  ///< Unit squares that the image covers, counted as often as it does.
+  /// How far the imaginary part's class is from the conjugate of the real part's, relative.
+  double misfit = 0;
+};
+
 /// A map of the faces of a surface to the plane, continuous but for seams, or to the sphere.
 struct Parameterization {
   /// The faces that are mapped, where they are not those of the surface.
@@ -115,6 +126,8 @@ struct Parameterization {
   std::optional<HyperbolicDomain> hyperbolic;  ///< Of a map to the Poincaré disk.
   std::optional<TorusDomain> torus;            ///< Of a torus, cut open.
   std::optional<ConeDomain> cones;             ///< Of a flat metric with cones.
+  std::optional<AffineAtlas> atlas;            ///< Of its faces and vertices, cones left out.
+  std::optional<QuadDomain> quads;             ///< Of a form with whole periods.
   MapMethod method = MapMethod::kAuto;         ///< What was done.
   MapCertificate certificate;
 };

@@ -38,38 +38,6 @@ Status checkTopology(const SurfaceTopology& topology) {
           targetOf(topology)};
 }
 
-/// Per face the lattice vector that puts its first corner, from the image of its vertex, into a
-/// domain that goes on across all edges but seams. Nothing where there is none.
-std::optional<std::vector<LatticeVector>> liftFaces(const Connectivity& surface,
-                                                    const TorusLattice& lattice,
-                                                    const std::vector<bool>& seam) {
-  const auto corner = [&](Index h) {
-    LatticeVector sum;
-    for (Index g = h - h % 3; g < h; ++g) sum = sum + lattice.shift[g];
-    return sum;
-  };
-  std::vector<std::optional<LatticeVector>> lift(surface.faceCount());
-  std::vector<Index> order = {0};
-  lift[0] = LatticeVector();
-  for (std::size_t n = 0; n < order.size(); ++n) {
-    for (Index h = 3 * order[n]; h < 3 * order[n] + 3; ++h) {
-      if (seam[surface.edge(h)]) continue;
-      const Index twin = surface.twin(h), beyond = Connectivity::faceOf(twin);
-      const LatticeVector there = *lift[order[n]] + corner(h) - corner(Connectivity::next(twin));
-      if (!lift[beyond]) {
-        lift[beyond] = there;
-        order.push_back(beyond);
-      } else if (*lift[beyond] != there) {
-        return std::nullopt;
-      }
-    }
-  }
-  if (order.size() < lift.size()) return std::nullopt;
-  std::vector<LatticeVector> result;
-  for (const auto& vector : lift) result.push_back(*vector);
-  return result;
-}
-
 class TorusMapping {
  public:
   TorusMapping(Context& context, const Connectivity& surface, const std::vector<double>& lengths,
@@ -134,14 +102,14 @@ class TorusMapping {
       }
     }
     std::optional<std::vector<LatticeVector>> lift;
-    if (!torus.walks[0].empty()) lift = liftFaces(surface, lattice, seam);
+    if (!torus.walks[0].empty()) lift = liftFaces(surface, lattice.shift, seam);
     torus.is_parallelogram = lift.has_value();
     if (!lift) {
       torus.walks = {};
       seam.assign(surface.edgeCount(), false);
       ASSIGN_OR_RETURN(const TreeCotree trees, computeTreeCotree(surface));
       for (const Index e : cutGraph(surface, trees)) seam[e] = true;
-      lift = liftFaces(surface, lattice, seam);
+      lift = liftFaces(surface, lattice.shift, seam);
     }
     if (!lift) return {Reason::kInternal, "a cut torus is no disk"};
     placeFaces(surface, lattice, seam, *std::move(lift), base);

@@ -248,6 +248,36 @@ Result<TorusLattice> latticeOfTorus(const Connectivity& surface, const FlatChart
   return lattice;
 }
 
+std::optional<std::vector<LatticeVector>> liftFaces(const Connectivity& surface,
+                                                    const std::vector<LatticeVector>& shift,
+                                                    const std::vector<bool>& seam) {
+  const auto corner = [&](Index h) {
+    LatticeVector sum;
+    for (Index g = h - h % 3; g < h; ++g) sum = sum + shift[g];
+    return sum;
+  };
+  std::vector<std::optional<LatticeVector>> lift(surface.faceCount());
+  std::vector<Index> order = {0};
+  lift[0] = LatticeVector();
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    for (Index h = 3 * order[n]; h < 3 * order[n] + 3; ++h) {
+      if (seam[surface.edge(h)]) continue;
+      const Index twin = surface.twin(h), beyond = Connectivity::faceOf(twin);
+      const LatticeVector there = *lift[order[n]] + corner(h) - corner(Connectivity::next(twin));
+      if (!lift[beyond]) {
+        lift[beyond] = there;
+        order.push_back(beyond);
+      } else if (*lift[beyond] != there) {
+        return std::nullopt;
+      }
+    }
+  }
+  if (order.size() < lift.size()) return std::nullopt;
+  std::vector<LatticeVector> result;
+  for (const auto& vector : lift) result.push_back(*vector);
+  return result;
+}
+
 TorusCut shortCut(const Connectivity& surface, const TorusLattice& lattice) {
   const WaySearch first(surface, lattice, {1, 0}), second(surface, lattice, {0, 1});
   std::vector<bool> forbidden(surface.vertexCount(), false);

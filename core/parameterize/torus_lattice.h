@@ -2,6 +2,7 @@
 
 #include <array>
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include "core/base/status.h"
@@ -41,6 +42,13 @@ struct TorusLattice {
 /// surface: closed, connected, of genus 1; charts: without a cone. Fails with kResidualTooLarge
 /// where the charts' translations span no lattice of their area. O(F log F).
 Result<TorusLattice> latticeOfTorus(const Connectivity& surface, const FlatCharts& charts);
+
+/// Per face the lattice vector that carries its first corner, from the image of its vertex, into a
+/// domain that goes on across all edges but seams. shift: as TorusLattice::shift, of any genus;
+/// seam: per edge. Nothing where such a domain does not close up or is not connected. O(F).
+std::optional<std::vector<LatticeVector>> liftFaces(const Connectivity& surface,
+                                                    const std::vector<LatticeVector>& shift,
+                                                    const std::vector<bool>& seam);
 
 /// Two closed walks from one vertex, in the classes of the generators a and b, that have no other
 /// vertex in common and meet none twice.
