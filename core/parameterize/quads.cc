@@ -24,6 +24,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
+/// Beyond it the imaginary part has little to do with the real one.
+constexpr double kLargestMisfit = 0.5;
+
 /// Classes of the real and the imaginary part, in the basis alpha_1 .. beta_g.
 struct WholeClasses {
   Eigen::VectorXd u, v;
@@ -185,9 +188,9 @@ Result<Parameterization> parameterizeQuads(Context& context, const Connectivity&
   ASSIGN_OR_RETURN(const ClosedPeriods closed, computePeriods(context, surface, mollified.lengths));
   ASSIGN_OR_RETURN(const std::optional<WholeClasses> classes,
                    chooseClasses(context, closed.periods.energy, options.most_squares));
-  if (!classes) {
+  if (!classes || !(classes->misfit <= kLargestMisfit)) {
     return Status(Reason::kInvalidOption,
-                  "no form with whole periods covers as few as " +
+                  "no form with whole periods is nearly holomorphic and covers as few as " +
                       shortestDouble(options.most_squares) + " squares",
                   "allow more squares");
   }

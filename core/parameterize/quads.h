@@ -27,8 +27,8 @@ struct QuadOptions {
 /// Holomorphic forms of genus >= 2 have 2 g - 2 zeros, around which the image covers the plane
 /// twice; faces that hold one are turned over (certificate.quality.flipped_faces), and the image
 /// lies on itself. lengths: per edge, positive up to rounding. Fails with kUnsupportedTopology
-/// (other surfaces), kInvalidOption (no form within most_squares: at least 1), and as
-/// computePeriods and reduceLattice do. Stages as computePeriods, "layout".
+/// (other surfaces), kInvalidOption (no such form within most_squares: v must miss by less than half),
+/// and as computePeriods does. Stages as computePeriods, "layout".
 /// Source: MATH 10; Kaelberer, Nieser, Polthier 2007 (rounding of periods).
 Result<Parameterization> parameterizeQuads(Context& context, const Connectivity& surface,
                                            const std::vector<double>& lengths,
