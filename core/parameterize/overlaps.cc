@@ -229,14 +229,12 @@ class IslandGrower {
   Index islands_ = 0;
 };
 
-/// Where islands are moved: the tallest first, in rows about as wide as all of them are high.
-std::vector<Complex> rowsOf(const std::vector<Box>& boxes) {
-  double area = 0, widest = 0;
-  for (const Box& box : boxes) {
-    area += (box.right - box.left) * (box.high - box.low);
-    widest = std::max(widest, box.right - box.left);
-  }
-  const double width = std::max(widest, std::sqrt(area)), gap = std::sqrt(area) / 100;
+/// Where islands are moved: the tallest first, in rows about as wide as all of them are high. area:
+/// of the faces.
+std::vector<Complex> rowsOf(const std::vector<Box>& boxes, double area) {
+  const double side = std::sqrt(area), gap = side / 100;
+  double width = 1.5 * side;
+  for (const Box& box : boxes) width = std::max(width, box.right - box.left);
   std::vector<std::size_t> order(boxes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -256,6 +254,28 @@ std::vector<Complex> rowsOf(const std::vector<Box>& boxes) {
     row = std::max(row, box.high - box.low);
   }
   return shifts;
+}
+
+/// Moves islands side by side and cuts them apart.
+PlanarLayout separate(const Connectivity& surface, const std::vector<Complex>& points,
+                      const std::vector<Index>& corner, const std::vector<Index>& island) {
+  std::vector<Box> boxes(1 + *std::max_element(island.begin(), island.end()));
+  double area = 0;
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+    const Complex from = points[corner[h]], to = points[corner[Connectivity::next(h)]];
+    boxes[island[Connectivity::faceOf(h)]].add(from);
+    area += std::imag(std::conj(from) * to) / 2;
+  }
+  const std::vector<Complex> shifts = rowsOf(boxes, std::abs(area));
+  std::vector<Complex> placed(surface.halfedgeCount());
+  std::vector<bool> seam(surface.edgeCount());
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+    const Index own = island[Connectivity::faceOf(h)];
+    placed[h] = points[corner[h]] + shifts[own];
+    seam[surface.edge(h)] =
+        !isSewn(surface, corner, h) || island[Connectivity::faceOf(surface.twin(h))] != own;
+  }
+  return sewCorners(surface, seam, placed);
 }
 
 }  // namespace
@@ -310,29 +330,18 @@ std::vector<Index> islandsOf(const Connectivity& surface, const std::vector<Inde
 
 Index cutOverlaps(const Connectivity& surface, std::vector<Complex>& points,
                   std::vector<Index>& corner) {
-  const std::vector<Index> before = islandsOf(surface, corner);
-  const auto numberOf = [](const std::vector<Index>& island) {
-    return island.empty() ? 0 : 1 + *std::max_element(island.begin(), island.end());
-  };
-  const auto pairs = findOverlaps(points, corner, std::numeric_limits<std::size_t>::max());
-  if (pairs.empty()) return numberOf(before);
-  const std::vector<Index> island = IslandGrower(surface, points, corner, pairs).run(before);
-  std::vector<Box> boxes(numberOf(island));
-  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
-    boxes[island[Connectivity::faceOf(h)]].add(points[corner[h]]);
+  // Sides that touched may overlap by a rounding error once they are moved: then once more.
+  constexpr int kMostRounds = 12;
+  std::vector<Index> island = islandsOf(surface, corner);
+  for (int round = 0; round < kMostRounds; ++round) {
+    const auto pairs = findOverlaps(points, corner, std::numeric_limits<std::size_t>::max());
+    if (pairs.empty()) break;
+    island = IslandGrower(surface, points, corner, pairs).run(island);
+    PlanarLayout layout = separate(surface, points, corner, island);
+    points = std::move(layout.points);
+    corner = std::move(layout.corner);
   }
-  const std::vector<Complex> shifts = rowsOf(boxes);
-  std::vector<Complex> placed(surface.halfedgeCount());
-  std::vector<bool> seam(surface.edgeCount());
-  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
-    placed[h] = points[corner[h]] + shifts[island[Connectivity::faceOf(h)]];
-    seam[surface.edge(h)] = !isSewn(surface, corner, h) ||
-                            island[h / 3] != island[Connectivity::faceOf(surface.twin(h))];
-  }
-  PlanarLayout layout = sewCorners(surface, seam, placed);
-  points = std::move(layout.points);
-  corner = std::move(layout.corner);
-  return static_cast<Index>(boxes.size());
+  return island.empty() ? 0 : 1 + *std::max_element(island.begin(), island.end());
 }
 
 }  // namespace moduli

@@ -106,8 +106,9 @@ struct ConeDomain {
 struct QuadDomain {
   std::vector<FormZero> zeros;  ///< Of its real part, see zerosOfForm: the indices sum to chi.
   std::vector<std::complex<double>> periods;  ///< Of the classes alpha_1 .. beta_g, whole numbers.
-  double squares = 0;  ///< Unit squares that the image covers, counted as often as it does.
-  /// How far the imaginary part's class is from the conjugate of the real part's, relative.
+  double squares = 0;  ///< Area of the image, counted as often as it covers: a whole number.
+  /// How far the form is from a holomorphic one: sqrt(2 (energy - area) / area), where the energy
+  /// is the mean of those of its two parts.
   double misfit = 0;
 };
 

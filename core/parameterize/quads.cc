@@ -30,59 +30,77 @@ constexpr double kLargestMisfit = 0.5;
 /// Classes of the real and the imaginary part, in the basis alpha_1 .. beta_g.
 struct WholeClasses {
   Eigen::VectorXd u, v;
-  double squares = 0;  ///< Area of the image, for the conjugate of u.
-  double misfit = 0;   ///< |v - *u| / |u| in the norm of the energy.
+  double squares = 0;  ///< Area of the image, a whole number.
+  double misfit = 0;   ///< As QuadDomain::misfit.
 };
 
-/// The star of closed forms: the column of a class to that of its conjugate. *h_a has the
-/// coefficients of row a of E J.
-Eigen::MatrixXd starOfClasses(const Eigen::MatrixXd& energy) {
-  const Eigen::Index g = energy.rows() / 2;
+Eigen::MatrixXd intersectionForm(Eigen::Index g) {
   Eigen::MatrixXd j = Eigen::MatrixXd::Zero(2 * g, 2 * g);
   j.topRightCorner(g, g).setIdentity();
   j.bottomLeftCorner(g, g) = -Eigen::MatrixXd::Identity(g, g);
-  return (energy * j).transpose();
+  return j;
 }
 
-WholeClasses judged(Eigen::VectorXd u, Eigen::VectorXd v, const Eigen::MatrixXd& energy,
-                    const Eigen::MatrixXd& star) {
-  const Eigen::VectorXd miss = v - star * u;
-  const double squares = u.dot(energy * u);
-  const double misfit = std::sqrt(std::max(0.0, miss.dot(energy * miss) / squares));
-  return {std::move(u), std::move(v), squares, misfit};
-}
+/// The choice of classes for a surface's forms.
+class ClassSearch {
+ public:
+  ClassSearch(const ClosedPeriods& closed, double most_squares)
+      : energy_(closed.periods.energy),
+        form_energy_(closed.energy),
+        intersection_(intersectionForm(energy_.rows() / 2)),
+        // *h_a has the coefficients of row a of E J.
+        star_((energy_ * intersection_).transpose()),
+        most_squares_(most_squares) {}
 
-/// The pair of least misfit within most_squares; of nearly equal ones that of fewer squares.
-Result<std::optional<WholeClasses>> chooseClasses(Context& context, const Eigen::MatrixXd& energy,
-                                                  double most_squares) {
-  constexpr double kEqual = 1e-9;
-  const Eigen::Index n = energy.rows();
-  const Eigen::MatrixXd star = starOfClasses(energy);
-  std::optional<WholeClasses> best;
-  for (double weight = 1; weight <= most_squares * most_squares * 16; weight *= 4) {
-    RETURN_IF_ERROR(context.check());
-    Eigen::MatrixXd gram(2 * n, 2 * n);
-    gram.topLeftCorner(n, n) = energy + weight * star.transpose() * energy * star;
-    gram.topRightCorner(n, n) = -weight * star.transpose() * energy;
-    gram.bottomLeftCorner(n, n) = gram.topRightCorner(n, n).transpose();
-    gram.bottomRightCorner(n, n) = weight * energy;
-    gram = ((gram + gram.transpose()) / 2).eval();
-    const Result<ReducedLattice> lattice = reduceLattice(gram);
-    // Weights beyond what doubles hold add nothing.
-    if (!lattice.ok()) break;
-    const Eigen::MatrixXd rows = lattice->transform.cast<double>();
-    for (Eigen::Index i = 0; i < 2 * n; ++i) {
-      if (rows.row(i).head(n).isZero()) continue;
-      WholeClasses found =
-          judged(rows.row(i).head(n).transpose(), rows.row(i).tail(n).transpose(), energy, star);
-      if (found.squares > most_squares) continue;
-      const bool better = !best || found.misfit < best->misfit - kEqual ||
-                          (found.misfit < best->misfit + kEqual && found.squares < best->squares);
-      if (better) best = std::move(found);
+  std::optional<WholeClasses> run() {
+    const Eigen::Index n = energy_.rows();
+    for (double weight = 1; weight <= 16 * most_squares_ * most_squares_; weight *= 4) {
+      Eigen::MatrixXd gram(2 * n, 2 * n);
+      gram.topLeftCorner(n, n) = energy_ + weight * star_.transpose() * energy_ * star_;
+      gram.topRightCorner(n, n) = -weight * star_.transpose() * energy_;
+      gram.bottomLeftCorner(n, n) = gram.topRightCorner(n, n).transpose();
+      gram.bottomRightCorner(n, n) = weight * energy_;
+      gram = ((gram + gram.transpose()) / 2).eval();
+      const Result<ReducedLattice> lattice = reduceLattice(gram);
+      // Weights beyond what doubles hold add nothing.
+      if (!lattice.ok()) break;
+      tryPairs(lattice->transform.cast<double>());
+    }
+    return std::move(best_);
+  }
+
+ private:
+  /// The rows of a short basis, their sums and differences.
+  void tryPairs(const Eigen::MatrixXd& rows) {
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+      consider(rows.row(i));
+      for (Eigen::Index k = 0; k < i; ++k) {
+        consider(rows.row(i) + rows.row(k));
+        consider(rows.row(i) - rows.row(k));
+      }
     }
   }
-  return best;
-}
+
+  /// Takes the pair that is nearest to a holomorphic form; of nearly equal ones that of fewer
+  /// squares.
+  void consider(const Eigen::RowVectorXd& pair) {
+    constexpr double kEqual = 1e-7;
+    const Eigen::Index n = energy_.rows();
+    const Eigen::VectorXd u = pair.head(n).transpose(), v = pair.tail(n).transpose();
+    const double area = std::round(u.dot(intersection_ * v));
+    if (!(area >= 1) || area > most_squares_) return;
+    const double energy = (u.dot(form_energy_ * u) + v.dot(form_energy_ * v)) / 2;
+    const double misfit = std::sqrt(std::max(0.0, 2 * (energy / area - 1)));
+    const bool better = !best_ || misfit < best_->misfit - kEqual ||
+                        (misfit < best_->misfit + kEqual && area < best_->squares);
+    if (better) best_ = WholeClasses{u, v, area, misfit};
+  }
+
+  const Eigen::MatrixXd &energy_, &form_energy_;
+  Eigen::MatrixXd intersection_, star_;
+  double most_squares_;
+  std::optional<WholeClasses> best_;
+};
 
 Status checkSurface(const SurfaceTopology& topology) {
   if (topology.components == 1 && topology.boundary_loops.empty() && topology.genus >= 1) return {};
@@ -186,8 +204,7 @@ Result<Parameterization> parameterizeQuads(Context& context, const Connectivity&
   }
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
   ASSIGN_OR_RETURN(const ClosedPeriods closed, computePeriods(context, surface, mollified.lengths));
-  ASSIGN_OR_RETURN(const std::optional<WholeClasses> classes,
-                   chooseClasses(context, closed.periods.energy, options.most_squares));
+  const std::optional<WholeClasses> classes = ClassSearch(closed, options.most_squares).run();
   if (!classes || !(classes->misfit <= kLargestMisfit)) {
     return Status(Reason::kInvalidOption,
                   "no form with whole periods is nearly holomorphic and covers as few as " +
