@@ -32,7 +32,9 @@ class SphereState {
   Vectors normals() const {
     Vectors normals;
     for (Index v = 0; v < map_.vertexCount(); ++v) {
-      normals.push_back(domain_->normal(map_.image(v).point.face));
+      // What is held has no plane to move in.
+      normals.push_back(map_.mesh().isHeld(v) ? Vector3d::Zero()
+                                              : domain_->normal(map_.image(v).point.face));
     }
     return normals;
   }

@@ -7,8 +7,8 @@
 namespace moduli {
 
 SurfaceWalk::SurfaceWalk(const Connectivity& surface, const std::vector<Eigen::Vector3d>& positions,
-                         double unit)
-    : surface_(surface), positions_(positions) {
+                         double unit, Index pole)
+    : surface_(surface), pole_(pole), positions_(positions) {
   for (Eigen::Vector3d& p : positions_) p /= unit;
   normals_.reserve(surface.faceCount());
   twice_areas_.reserve(surface.faceCount());
@@ -63,6 +63,7 @@ SurfacePoint SurfaceWalk::operator()(const SurfacePoint& start, const Eigen::Vec
     left *= 1 - fraction;
     const Index h = 3 * here.face + (leave + 1) % 3;  // The side opposite the corner `leave`.
     const Index twin = surface_.twin(h);
+    if (pole_ != kNone && surface_.tail(Connectivity::previous(twin)) == pole_) break;
     const Eigen::Vector3d along = (positions_[surface_.head(h)] - positions_[surface_.tail(h)]);
     const double length = along.norm();
     if (!(length > 0)) break;
