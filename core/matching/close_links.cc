@@ -112,7 +112,7 @@ class LinkClosing {
   void leave(Index f, double cost, std::priority_queue<Candidate>& queue) const {
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       const Index entry = surface_.twin(h);
-      if (h == state_[f].entry || state_[entry / 3].round == now_) continue;
+      if (entry == kNone || h == state_[f].entry || state_[entry / 3].round == now_) continue;
       const Motion changed = wanted(h);
       queue.push({cost + lengthOf(h, changed), entry, plane_.inverse(changed)});
     }

@@ -28,28 +28,29 @@ Motion intoFace(const CoverSurface& image, const VertexLinks& links, Index h) {
 SurfacePoint imageOf(const Connectivity& surface, const CoverSurface& cover, const CoverMap& map,
                      const SurfacePoint& point) {
   const CoverPlane plane = cover.plane();
-  const Index h = 3 * point.face, back = surface.twin(h + 2), first = surface.tail(h);
-  const Vector3d sum =
-      point.barycentric[0] * map.places[first] +
-      point.barycentric[1] * (map.transitions[h] * map.places[surface.head(h)]) +
-      point.barycentric[2] * (map.transitions[back] * map.places[surface.head(back)]);
+  const Index first = surface.tail(3 * point.face);
+  const std::array<Vector3d, 3> corners = cornersOf(surface, map, point.face);
+  const Vector3d sum = point.barycentric[0] * corners[0] + point.barycentric[1] * corners[1] +
+                       point.barycentric[2] * corners[2];
   const CoverArrival end =
       walkStraight(cover, map.images[first].face, map.places[first], plane.normalized(sum));
   return cover.pointAt(end.face, end.place);
 }
 
 Result<std::vector<SurfacePoint>> invertCoverMap(Context& context, const Connectivity& surface,
-                                                 const CoverSurface& cover, const CoverMap& map) {
+                                                 const CoverSurface& cover, const CoverMap& map,
+                                                 Index vertices) {
+  if (vertices == kNone) vertices = cover.surface.vertexCount();
   const CoverPlane plane = cover.plane();
   const VertexLinks links = linksOf(surface, cover, map);
   const CoverSurface image =
       coverOfLinks(cover.geometry, surface, links, std::vector<double>(surface.edgeCount(), 1.0));
   const std::vector<Motion> frames = vertexFrames(cover);
   const VertexLinks own = ownLinks(cover, frames);
-  std::vector<SurfacePoint> result(cover.surface.vertexCount());
+  std::vector<SurfacePoint> result(vertices);
   // Per vertex of B, from its frame to the coordinates of the face of A that it lies in.
-  std::vector<Motion> seen(cover.surface.vertexCount());
-  std::vector<bool> done(cover.surface.vertexCount(), false);
+  std::vector<Motion> seen(vertices);
+  std::vector<bool> done(vertices, false);
   std::vector<Index> queue;
   const auto put = [&](Index v, Index face, const Vector3d& from, const Motion& frame) {
     const CoverArrival end =
@@ -70,7 +71,7 @@ Result<std::vector<SurfacePoint>> invertCoverMap(Context& context, const Connect
     Index out = first;
     do {
       const Index u = cover.surface.head(out);
-      if (!done[u]) {
+      if (u < vertices && !done[u]) {
         put(u, result[v].face, plane.normalized(Vector3d(seen[v].col(2))), seen[v] * own[out]);
       }
       out = cover.surface.rotate(out);

@@ -13,10 +13,11 @@ namespace moduli {
 SurfacePoint imageOf(const Connectivity& surface, const CoverSurface& cover, const CoverMap& map,
                      const SurfacePoint& point);
 
-/// Per vertex of B the point of A that goes there: its place in the triangulation that A's faces
-/// are of B, found from that of a neighbour. map: without folded faces. Fails with kCancelled and
-/// kDeadlineExceeded. O(V_B steps).
+/// Per vertex of B, the first so many if that is told, the point of A that goes there: its place in
+/// the triangulation that A's faces are of B, found from that of a neighbour. map: without folded
+/// faces. Fails with kCancelled and kDeadlineExceeded. O(V_B steps).
 Result<std::vector<SurfacePoint>> invertCoverMap(Context& context, const Connectivity& surface,
-                                                 const CoverSurface& cover, const CoverMap& map);
+                                                 const CoverSurface& cover, const CoverMap& map,
+                                                 Index vertices = kNone);
 
 }  // namespace moduli

@@ -16,6 +16,14 @@ std::vector<Motion> framesOf(const CoverSurface& cover, const CoverMap& map) {
 
 }  // namespace
 
+std::array<Vector3d, 3> cornersOf(const Connectivity& surface, const CoverMap& map, Index face) {
+  const Index h = 3 * face, back = surface.twin(h + 2), last = surface.tail(h + 2);
+  const Motion& to = map.transitions[h];
+  const Vector3d third = back == kNone ? Vector3d(to * (map.transitions[h + 1] * map.places[last]))
+                                       : Vector3d(map.transitions[back] * map.places[last]);
+  return {map.places[surface.tail(h)], to * map.places[surface.head(h)], third};
+}
+
 VertexLinks linksOf(const Connectivity& surface, const CoverSurface& cover, const CoverMap& map) {
   const CoverPlane plane = cover.plane();
   const std::vector<Motion> frames = framesOf(cover, map);
@@ -24,7 +32,7 @@ VertexLinks linksOf(const Connectivity& surface, const CoverSurface& cover, cons
     const Index h = surface.halfedge(e);
     links[h] = plane.normalized(Motion(plane.inverse(frames[surface.tail(h)]) * map.transitions[h] *
                                        frames[surface.head(h)]));
-    links[surface.twin(h)] = plane.inverse(links[h]);
+    if (surface.twin(h) != kNone) links[surface.twin(h)] = plane.inverse(links[h]);
   }
   return links;
 }
@@ -47,6 +55,7 @@ CoverMap moved(const Connectivity& surface, const CoverSurface& cover, const Cov
     const Index h = surface.halfedge(e);
     result.transitions[h] = plane.normalized(
         Motion(plane.inverse(way[surface.tail(h)]) * map.transitions[h] * way[surface.head(h)]));
+    if (surface.twin(h) == kNone) continue;
     result.transitions[surface.twin(h)] = plane.inverse(result.transitions[h]);
   }
   return result;
@@ -54,11 +63,9 @@ CoverMap moved(const Connectivity& surface, const CoverSurface& cover, const Cov
 
 Index countFolded(const Connectivity& surface, const CoverMap& map) {
   Index folded = 0;
-  for (Index h = 0; h < surface.halfedgeCount(); h += 3) {
-    const Index back = surface.twin(h + 2);
-    const Vector3d second = map.transitions[h] * map.places[surface.head(h)];
-    const Vector3d third = map.transitions[back] * map.places[surface.head(back)];
-    folded += spherical::orientationSign(map.places[surface.tail(h)], second, third) <= 0;
+  for (Index f = 0; f < surface.faceCount(); ++f) {
+    const auto& [first, second, third] = cornersOf(surface, map, f);
+    folded += spherical::orientationSign(first, second, third) <= 0;
   }
   return folded;
 }

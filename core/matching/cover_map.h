@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "core/matching/cover_surface.h"
@@ -19,6 +20,10 @@ struct CoverMap {
   /// tail's. Inverse for twins; their product around a face of A is 1.
   std::vector<Motion> transitions;
 };
+
+/// The corners of a face of A in the coordinates of the face of the first one's image. O(1).
+std::array<Eigen::Vector3d, 3> cornersOf(const Connectivity& surface, const CoverMap& map,
+                                         Index face);
 
 /// What vertices see of their neighbours, from frames that are their faces' coordinates shifted to
 /// the vertex. O(E).

@@ -44,15 +44,15 @@ double totalArea(const CoverSurface& cover) {
   return sum;
 }
 
-/// Turns the coordinates of all faces of a flat surface alike, and scales its area to 1.
-void alignFaces(CoverSurface& cover) {
+/// Turns the coordinates of all faces of a flat surface alike, and scales them.
+void alignFaces(CoverSurface& cover, double scale) {
   const Connectivity& surface = cover.surface;
-  const double scale = 1 / std::sqrt(std::abs(totalArea(cover)));
   std::vector<std::optional<Eigen::Matrix2d>> turn(surface.faceCount());
   std::vector<Index> queue = {0};
   turn[0] = Eigen::Matrix2d::Identity();
   for (std::size_t n = 0; n < queue.size(); ++n) {
     for (Index h = 3 * queue[n]; h < 3 * queue[n] + 3; ++h) {
+      if (surface.twin(h) == kNone) continue;
       const Index beyond = Connectivity::faceOf(surface.twin(h));
       if (turn[beyond]) continue;
       const Eigen::Matrix2d next = *turn[queue[n]] * cover.across[h].topLeftCorner<2, 2>();
@@ -65,6 +65,7 @@ void alignFaces(CoverSurface& cover) {
   }
   for (Index e = 0; e < surface.edgeCount(); ++e) {
     const Index h = surface.halfedge(e), t = surface.twin(h);
+    if (t == kNone) continue;
     // What both faces make of the middle of the edge.
     const Vector3d shift = (cover.corners[h] + cover.corners[Connectivity::next(h)] -
                             cover.corners[t] - cover.corners[Connectivity::next(t)]) /
@@ -73,6 +74,29 @@ void alignFaces(CoverSurface& cover) {
     cover.across[h].topRightCorner<2, 1>() = shift.head<2>();
     cover.across[t].topRightCorner<2, 1>() = -shift.head<2>();
   }
+}
+
+/// Faces side by side; across edges of a boundary there is nothing.
+CoverSurface glued(Geometry geometry, const Connectivity& surface,
+                   const std::vector<double>& lengths, const std::vector<double>& angles,
+                   const std::vector<double>& given) {
+  CoverSurface cover{geometry, surface, given, {}, {}};
+  const CoverPlane plane(geometry);
+  std::vector<Motion> frames(surface.halfedgeCount());
+  cover.corners.resize(surface.halfedgeCount());
+  cover.across.resize(surface.halfedgeCount());
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+    frames[h] = cornerFrame(plane, lengths, angles, h);
+    cover.corners[h] = plane.normalized(Vector3d(frames[h].col(2)));
+  }
+  for (Index e = 0; e < surface.edgeCount(); ++e) {
+    const Index h = surface.halfedge(e), t = surface.twin(h);
+    if (t == kNone) continue;
+    cover.across[h] = plane.normalized(Motion(frames[h] * plane.shift({lengths[h], 0}) *
+                                              CoverPlane::turn(kPi) * plane.inverse(frames[t])));
+    cover.across[t] = plane.inverse(cover.across[h]);
+  }
+  return cover;
 }
 
 Status checkTopology(const Connectivity& surface) {
@@ -110,22 +134,10 @@ SurfacePoint CoverSurface::pointAt(Index face, const Vector3d& place) const {
 CoverSurface coverOfTriangles(Geometry geometry, const Connectivity& surface,
                               const std::vector<double>& lengths, const std::vector<double>& angles,
                               const std::vector<double>& given) {
-  CoverSurface cover{geometry, surface, given, {}, {}};
-  const CoverPlane plane(geometry);
-  std::vector<Motion> frames(surface.halfedgeCount());
-  cover.corners.resize(surface.halfedgeCount());
-  cover.across.resize(surface.halfedgeCount());
-  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
-    frames[h] = cornerFrame(plane, lengths, angles, h);
-    cover.corners[h] = plane.normalized(Vector3d(frames[h].col(2)));
+  CoverSurface cover = glued(geometry, surface, lengths, angles, given);
+  if (geometry == Geometry::kEuclidean) {
+    alignFaces(cover, 1 / std::sqrt(std::abs(totalArea(cover))));
   }
-  for (Index e = 0; e < surface.edgeCount(); ++e) {
-    const Index h = surface.halfedge(e), t = surface.twin(h);
-    cover.across[h] = plane.normalized(Motion(frames[h] * plane.shift({lengths[h], 0}) *
-                                              CoverPlane::turn(kPi) * plane.inverse(frames[t])));
-    cover.across[t] = plane.inverse(cover.across[h]);
-  }
-  if (geometry == Geometry::kEuclidean) alignFaces(cover);
   cover.area = totalArea(cover);
   return cover;
 }
@@ -136,11 +148,14 @@ CoverSurface coverOfLinks(Geometry geometry, const Connectivity& surface, const 
   std::vector<double> lengths(surface.halfedgeCount()), angles(surface.halfedgeCount());
   for (Index h = 0; h < surface.halfedgeCount(); ++h) {
     const Vector3d to = links[h].col(2);
-    const Vector3d back = links[surface.twin(Connectivity::previous(h))].col(2);
+    const Vector3d back = plane.inverse(links[Connectivity::previous(h)]).col(2);
     lengths[h] = plane.wayTo(links[surface.halfedge(surface.edge(h))].col(2)).norm();
     angles[h] = std::atan2(to[0] * back[1] - to[1] * back[0], to.head<2>().dot(back.head<2>()));
   }
-  return coverOfTriangles(geometry, surface, lengths, angles, given);
+  CoverSurface cover = glued(geometry, surface, lengths, angles, given);
+  if (geometry == Geometry::kEuclidean) alignFaces(cover, 1);
+  cover.area = totalArea(cover);
+  return cover;
 }
 
 Result<CoverSurface> straightCover(Context& context, const Connectivity& surface,
@@ -216,7 +231,7 @@ CoverArrival walkStraight(const CoverSurface& cover, Index face, const Vector3d&
     for (int c = 0; c < 3; ++c) {
       // The side opposite corner c.
       const Index h = 3 * at.face + (c + 1) % 3;
-      if (h == entry || !(there[c] < 0)) continue;
+      if (h == entry || surface.twin(h) == kNone || !(there[c] < 0)) continue;
       const double fraction = here[c] > 0 ? here[c] / (here[c] - there[c]) : 0;
       if (fraction > earliest || (fraction == earliest && there[c] >= lowest)) continue;
       earliest = fraction;

@@ -9,7 +9,7 @@
 #include "core/mesh/connectivity.h"
 #include "core/spherical/surface_point.h"
 
-/// A closed surface with handles whose faces are straight triangles of its flat or hyperbolic
+/// A surface with handles whose faces are straight triangles of its flat or hyperbolic
 /// metric, none folded: what maps to it are made in.
 ///
 ///   ASSIGN_OR_RETURN(const CoverSurface cover, straightCover(context, surface, lengths));
@@ -26,7 +26,7 @@ struct CoverSurface {
   std::vector<Eigen::Vector3d>
       corners;  ///< Per halfedge: its tail, in the coordinates of its face.
   /// Per halfedge: from the coordinates of the face beyond it to those of its face. Of a torus pure
-  /// shifts.
+  /// shifts. Of no use on a boundary.
   std::vector<Motion> across;
   double area = 0;  ///< In the plane's metric: 2 pi |chi| or, of a torus, 1.
   /// Faces that stood folded in the metric, for which all vertices were moved.
@@ -42,14 +42,15 @@ struct CoverSurface {
   Eigen::Vector3d weights(Index face, const Eigen::Vector3d& place) const;
 };
 
-/// The triangles of a metric without cones. lengths, angles: per halfedge, angles at its tail;
-/// negative ones (folded faces) are taken as they are. given: as CoverSurface::lengths. O(F).
+/// The triangles of a metric without cones; of flat ones scaled to area 1. lengths, angles: per
+/// halfedge, angles at its tail; negative ones (folded faces) are taken as they are. given: as
+/// CoverSurface::lengths. O(F).
 CoverSurface coverOfTriangles(Geometry geometry, const Connectivity& surface,
                               const std::vector<double>& lengths, const std::vector<double>& angles,
                               const std::vector<double>& given);
 
-/// The triangles that vertices see. links: without folded faces, of degree 1. given: as above.
-/// O(F).
+/// The triangles that vertices see, as large as they see them. links: without folded faces, of
+/// degree 1. given: as above. O(F).
 CoverSurface coverOfLinks(Geometry geometry, const Connectivity& surface, const VertexLinks& links,
                           const std::vector<double>& given);
 
@@ -78,8 +79,8 @@ struct CoverArrival {
   Motion motion;          ///< From the coordinates of that face to those where the way began.
 };
 
-/// Straight on from a point of a face to a point in its coordinates, both normalized. O(faces on
-/// the way).
+/// Straight on from a point of a face to a point in its coordinates, both normalized; to what is
+/// beyond a boundary not across it. O(faces on the way).
 CoverArrival walkStraight(const CoverSurface& cover, Index face, const Eigen::Vector3d& from,
                           const Eigen::Vector3d& to);
 

@@ -48,8 +48,14 @@ class HarmonicSearch {
         weights_(weights),
         options_(options),
         links_(std::move(start)),
-        moves_(options.moves) {
+        moves_(options.moves),
+        ways_(surface.vertexCount(), Matrix2d::Identity()) {
     if (moves_.empty()) moves_.assign(surface.vertexCount(), Motion::Identity());
+    for (Index v = surface.vertexCount() - 1; v >= 0; --v) {
+      if (!isBound(v)) continue;
+      ways_[v] << options.slides[v], Vector2d(0, 0);
+      anchor_ = v;
+    }
   }
 
   Result<HarmonicMap> run() {
@@ -112,8 +118,12 @@ class HarmonicSearch {
     return {way / length, -back.normalized(), length};
   }
 
-  static void addBlock(std::vector<Eigen::Triplet<double>>& entries, Index i, Index j,
-                       const Matrix2d& block) {
+  bool isBound(Index v) const { return !options_.slides.empty() && !options_.slides[v].isZero(0); }
+
+  /// In the coordinates of what vertices can do.
+  void addBlock(std::vector<Eigen::Triplet<double>>& entries, Index i, Index j,
+                const Matrix2d& whole) const {
+    const Matrix2d block = ways_[i].transpose() * whole * ways_[j];
     for (int r = 0; r < 2; ++r) {
       for (int c = 0; c < 2; ++c) {
         if (2 * i + r >= 2 * j + c) entries.emplace_back(2 * i + r, 2 * j + c, block(r, c));
@@ -162,7 +172,12 @@ class HarmonicSearch {
     for (Index e = 0; e < surface_.edgeCount(); ++e) addEdge(e, entries);
     for (Index v = 0; v < n; ++v) addPull(v, entries);
     // Shifts of a flat map cost nothing.
-    if (plane_.isFlat() && options_.pulls.empty()) addBlock(entries, 0, 0, Matrix2d::Identity());
+    if (plane_.isFlat() && options_.pulls.empty())
+      addBlock(entries, anchor_, anchor_, Matrix2d::Identity());
+    // What bound vertices cannot do.
+    for (Index v = 0; v < n; ++v) {
+      if (isBound(v)) entries.emplace_back(2 * v + 1, 2 * v + 1, 1.0);
+    }
     SparseMatrix hessian(2 * n, 2 * n);
     hessian.setFromTriplets(entries.begin(), entries.end());
     if (!solver_) {
@@ -171,8 +186,16 @@ class HarmonicSearch {
     } else {
       RETURN_IF_ERROR(solver_->refactorize(context_, hessian));
     }
-    ASSIGN_OR_RETURN(const Eigen::MatrixXd step, solver_->solve(context_, -gradient_));
-    return Eigen::VectorXd(step);
+    for (Index v = 0; v < n; ++v) {
+      gradient_.segment<2>(2 * v) = (ways_[v].transpose() * gradient_.segment<2>(2 * v)).eval();
+    }
+    ASSIGN_OR_RETURN(const Eigen::MatrixXd solved, solver_->solve(context_, -gradient_));
+    fall_ = -solved.col(0).dot(gradient_);
+    Eigen::VectorXd step(2 * n);
+    for (Index v = 0; v < n; ++v) {
+      step.segment<2>(2 * v) = ways_[v] * solved.col(0).segment<2>(2 * v);
+    }
+    return step;
   }
 
   double relativeSize(const Eigen::VectorXd& step) const {
@@ -191,7 +214,7 @@ class HarmonicSearch {
 
   /// Halves the step until the energy falls. False where rounding hides whether it does.
   bool take(Eigen::VectorXd step, double& energy) {
-    double fall = -step.dot(gradient_);
+    double fall = fall_;
     // The sum's own rounding: below that a full step of Newton's method is right.
     const double rounding = 1e-13 * energy;
     for (int n = 0; n < kMostHalvings; ++n) {
@@ -221,7 +244,7 @@ class HarmonicSearch {
       const Index h = surface_.halfedge(e);
       links[h] = plane_.normalized(
           Motion(plane_.inverse(shift[surface_.tail(h)]) * links[h] * shift[surface_.head(h)]));
-      links[surface_.twin(h)] = plane_.inverse(links[h]);
+      if (surface_.twin(h) != kNone) links[surface_.twin(h)] = plane_.inverse(links[h]);
     }
   }
 
@@ -232,14 +255,24 @@ class HarmonicSearch {
   const HarmonicOptions& options_;
   VertexLinks links_;
   std::vector<Motion> moves_;
+  /// Per vertex what it can do: all, or go along one direction.
+  std::vector<Matrix2d> ways_;
+  Index anchor_ = 0;
   Eigen::VectorXd gradient_;
+  double fall_ = 0;  ///< Of the energy along the last step, at its beginning.
   std::optional<SpdSolver> solver_;
 };
+
+/// From a frame at the third corner of the face of h to that at h's tail.
+Motion thirdLink(const Connectivity& surface, const VertexLinks& links, Index h) {
+  const Index back = surface.twin(Connectivity::previous(h));
+  return back == kNone ? Motion(links[h] * links[Connectivity::next(h)]) : links[back];
+}
 
 /// The neighbours that a face has at the tail of h, seen from there: h's head and the third corner.
 std::array<std::complex<double>, 2> sidesAt(const Connectivity& surface, const VertexLinks& links,
                                             Index h) {
-  const Motion &to = links[h], &back = links[surface.twin(Connectivity::previous(h))];
+  const Motion &to = links[h], back = thirdLink(surface, links, h);
   return {std::complex<double>(to(0, 2), to(1, 2)) / to(2, 2),
           std::complex<double>(back(0, 2), back(1, 2)) / back(2, 2)};
 }
@@ -254,9 +287,10 @@ Result<HarmonicMap> harmonicMap(Context& context, Geometry geometry, const Conne
   };
   if (!is(weights.size(), surface.edgeCount()) || !is(start.size(), surface.halfedgeCount()) ||
       !(options.pulls.empty() || is(options.pulls.size(), surface.vertexCount())) ||
+      !(options.slides.empty() || is(options.slides.size(), surface.vertexCount())) ||
       !(options.moves.empty() || is(options.moves.size(), surface.vertexCount()))) {
     return Status(Reason::kInvalidOption,
-                  "weights, links, pulls or moves are not one for each element");
+                  "weights, links, pulls, slides or moves are not one for each element");
   }
   return HarmonicSearch(context, geometry, surface, weights, std::move(start), options).run();
 }
@@ -273,8 +307,8 @@ std::vector<double> positiveWeights(const Connectivity& surface,
   return weights;
 }
 
-Index countFolded(const Connectivity& surface, const VertexLinks& links) {
-  Index folded = 0;
+std::vector<bool> foldedFaces(const Connectivity& surface, const VertexLinks& links) {
+  std::vector<bool> folded(surface.faceCount());
   for (Index f = 0; f < surface.faceCount(); ++f) {
     // The corner of the largest angle tells best: opposite the longest side.
     Index corner = 3 * f;
@@ -286,16 +320,21 @@ Index countFolded(const Connectivity& surface, const VertexLinks& links) {
       corner = Connectivity::previous(h);
     }
     const auto sides = sidesAt(surface, links, corner);
-    folded += spherical::orientationSign(0.0, sides[0], sides[1]) <= 0;
+    folded[f] = spherical::orientationSign(0.0, sides[0], sides[1]) <= 0;
   }
   return folded;
+}
+
+Index countFolded(const Connectivity& surface, const VertexLinks& links) {
+  const std::vector<bool> folded = foldedFaces(surface, links);
+  return static_cast<Index>(std::count(folded.begin(), folded.end(), true));
 }
 
 double coveredArea(Geometry geometry, const Connectivity& surface, const VertexLinks& links) {
   const CoverPlane plane(geometry);
   double sum = 0;
   for (Index h = 0; h < surface.halfedgeCount(); h += 3) {
-    sum += plane.area(links[h].col(2), links[surface.twin(Connectivity::previous(h))].col(2));
+    sum += plane.area(links[h].col(2), thirdLink(surface, links, h).col(2));
   }
   return sum;
 }

@@ -11,7 +11,8 @@
 /// A map is kept by what each vertex sees from its image: per halfedge a motion, from a frame at
 /// the image of its head to one at that of its tail (both 0), the lifts being those that the edge
 /// joins. Inverse for twins; their product around a face is 1. Nothing depends on where in the
-/// plane the lifts are.
+/// plane the lifts are. Surfaces with boundary are mapped to halves of doubles, and the boundary to
+/// geodesics, on which its vertices slide: the map is then half of one of their doubles.
 namespace moduli {
 
 using VertexLinks = std::vector<Motion>;
@@ -29,6 +30,9 @@ struct HarmonicMap {
 struct HarmonicOptions {
   /// Per vertex: weight of the square of the distance from the start. Empty: none.
   std::vector<double> pulls = {};
+  /// Per vertex of a boundary the direction, of length 1, from its frame in which the line runs
+  /// that it stays on; 0 inside. Empty: no vertex is bound.
+  std::vector<Eigen::Vector2d> slides = {};
   /// Per vertex where the search begins, as HarmonicMap::moves; the links are those there. Empty:
   /// at the start.
   std::vector<Motion> moves = {};
@@ -37,8 +41,9 @@ struct HarmonicOptions {
 };
 
 /// The map of least energy 1/2 sum of w_e d_e^2 in the homotopy class of the start. weights: per
-/// edge. With weights > 0 and without pulls there is one (of tori up to a shift; vertex 0 stays),
-/// and where the start is homotopic to a homeomorphism that keeps orientation no face of it folds.
+/// edge. With weights > 0 and without pulls there is one (of tori up to a shift: vertex 0 stays, or
+/// the first that is bound), and where the start is homotopic to a homeomorphism that keeps
+/// orientation no face of it folds.
 ///
 /// Newton's method with the exact Hessian, which is positive semidefinite for weights >= 0. Fails
 /// with kInvalidOption (sizes), kNoConvergence, and as SpdSolver does. One factorization of 2 V
@@ -53,7 +58,9 @@ Result<HarmonicMap> harmonicMap(Context& context, Geometry geometry, const Conne
 std::vector<double> positiveWeights(const Connectivity& surface,
                                     const std::vector<double>& lengths);
 
-/// Faces that the map turns over or lays flat. O(F).
+/// Per face whether the map turns it over or lays it flat. O(F).
+std::vector<bool> foldedFaces(const Connectivity& surface, const VertexLinks& links);
+/// How many these are. O(F).
 Index countFolded(const Connectivity& surface, const VertexLinks& links);
 
 /// The signed area that the map covers: a whole multiple of the other surface's. O(F).

@@ -11,7 +11,6 @@
 #include "core/forms/cotan.h"
 #include "core/intrinsic/mollify.h"
 #include "core/matching/equivariant_map.h"
-#include "core/matching/target_links.h"
 
 namespace moduli {
 namespace {
@@ -20,6 +19,8 @@ namespace {
 constexpr double kLongestSmoothing = 0.5;
 /// Of the median distance of targets from images.
 constexpr double kFar = 8;
+/// Targets so near to folded faces do not pull at last.
+constexpr int kMostRings = 4;
 /// Of an edge: as far as it takes to tell which targets are wrong.
 constexpr double kRoughly = 1e-2;
 
@@ -63,29 +64,21 @@ class HarmonicFit {
         cotan_(cotanWeights(surface, lengths)),
         positive_(positiveWeights(surface, lengths)),
         areas_(vertexAreas(surface, lengths)),
-        at_(linksOf(surface, cover, start.map)) {}
+        at_(linksOf(surface, cover, start.map)) {
+    options_.slides = start.slides;
+  }
 
-  /// Nothing where faces fold with all weights.
+  /// Nothing where faces fold whatever is tried.
   Result<std::optional<HarmonicMatch>> fit(double smoothing) {
     options_.pulls.clear();
     if (std::isfinite(smoothing)) RETURN_IF_ERROR(weighTargets(smoothing));
-    for (const std::vector<double>* weights : {&cotan_, &positive_}) {
-      const Result<HarmonicMap> found =
-          harmonicMap(context_, cover_.geometry, surface_, *weights, at_, options_);
-      // Where cotangents are negative the energy may be no convex one.
-      if (weights == &cotan_ && (found.status().reason() == Reason::kNotPositiveDefinite ||
-                                 found.status().reason() == Reason::kNoConvergence)) {
-        continue;
-      }
-      RETURN_IF_ERROR(found.status());
-      folded_ = found->folded_faces;
-      if (folded_ > 0) continue;
-      CoverMap map = moved(surface_, cover_, start_.map, found->moves);
-      folded_ = countFolded(surface_, map);
-      if (folded_ > 0) continue;
-      return std::optional(matchOf(*found, std::move(map), smoothing));
+    ASSIGN_OR_RETURN(std::optional<HarmonicMatch> match, attempt(cotan_, smoothing));
+    for (int rings = 0; !match && rings <= kMostRings; ++rings) {
+      if (rings > 0) silenceFolds(rings);
+      ASSIGN_OR_RETURN(match, attempt(positive_, smoothing));
+      if (!std::isfinite(smoothing)) break;
     }
-    return std::optional<HarmonicMatch>();
+    return match;
   }
 
   /// Of the last try.
@@ -106,10 +99,51 @@ class HarmonicFit {
     return {};
   }
 
+  /// Nothing where faces fold, or where the energy is no convex one, as cotangents can make it.
+  Result<std::optional<HarmonicMatch>> attempt(const std::vector<double>& weights,
+                                               double smoothing) {
+    Result<HarmonicMap> found =
+        harmonicMap(context_, cover_.geometry, surface_, weights, at_, options_);
+    if (&weights == &cotan_ && (found.status().reason() == Reason::kNotPositiveDefinite ||
+                                found.status().reason() == Reason::kNoConvergence)) {
+      return std::optional<HarmonicMatch>();
+    }
+    RETURN_IF_ERROR(found.status());
+    folded_ = found->folded_faces;
+    std::optional<HarmonicMatch> match;
+    if (folded_ == 0) {
+      CoverMap map = moved(surface_, cover_, start_.map, found->moves);
+      folded_ = countFolded(surface_, map);
+      if (folded_ == 0) match = matchOf(*found, std::move(map), smoothing);
+    }
+    at_ = std::move(found->links);
+    options_.moves = std::move(found->moves);
+    return match;
+  }
+
+  /// Targets near folded faces do not pull any more.
+  void silenceFolds(int rings) {
+    const std::vector<bool> folded = foldedFaces(surface_, at_);
+    std::vector<bool> silent(surface_.vertexCount(), false);
+    for (Index f = 0; f < surface_.faceCount(); ++f) {
+      if (!folded[f]) continue;
+      for (const Index v : surface_.face(f)) silent[v] = true;
+    }
+    for (int n = 0; n < rings; ++n) {
+      const std::vector<bool> inner = silent;
+      for (Index h = 0; h < surface_.halfedgeCount(); ++h) {
+        if (inner[surface_.tail(h)]) silent[surface_.head(h)] = true;
+      }
+    }
+    for (Index v = 0; v < surface_.vertexCount(); ++v) {
+      if (silent[v]) options_.pulls[v] = 0;
+    }
+  }
+
   HarmonicMatch matchOf(const HarmonicMap& found, CoverMap map, double smoothing) const {
     HarmonicMatch match;
     match.map = std::move(map);
-    match.energy_ratio = found.energy / cover_.area;
+    match.energy_ratio = found.energy / start_.area;
     match.smoothing = smoothing;
     match.replaced =
         static_cast<Index>(std::count(start_.replaced.begin(), start_.replaced.end(), true));
@@ -137,11 +171,18 @@ Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& su
                                         const CoverSurface& cover,
                                         const std::vector<SurfacePoint>& targets,
                                         const HarmonicMatchOptions& options) {
+  ASSIGN_OR_RETURN(const TargetLinks start, linkTargets(context, surface, cover, targets));
+  return matchHarmonically(context, surface, lengths, cover, start, options);
+}
+
+Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& surface,
+                                        const std::vector<double>& lengths,
+                                        const CoverSurface& cover, const TargetLinks& start,
+                                        const HarmonicMatchOptions& options) {
   if (!(options.smoothing > 0)) {
     return Status(Reason::kInvalidOption, "the smoothing is not positive");
   }
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
-  ASSIGN_OR_RETURN(const TargetLinks start, linkTargets(context, surface, cover, targets));
   HarmonicFit fit(context, surface, unitLengths(mollified.lengths), cover, start);
   for (double smoothing = options.smoothing;; smoothing *= 2) {
     if (smoothing > kLongestSmoothing) smoothing = std::numeric_limits<double>::infinity();

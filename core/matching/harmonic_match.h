@@ -4,6 +4,7 @@
 
 #include "core/base/context.h"
 #include "core/matching/cover_map.h"
+#include "core/matching/target_links.h"
 
 /// From places that are only nearly right to a map between surfaces with handles without a folded
 /// face.
@@ -37,7 +38,7 @@ struct HarmonicMatch {
 /// their images than most. The cotan weights w_e are A's own and, where faces fold under these or
 /// the energy is not convex, kept positive: then the minimum is the only one. Where faces fold all
 /// the same, smoothing is made longer; without the pull of targets none can (Colin de Verdière
-/// 1991) but by rounding. Of tori vertex 0 then stays at its target.
+/// 1991) but by rounding. Of tori one vertex then stays at its target.
 ///
 /// lengths: per edge of `surface`, positive up to rounding. targets: per vertex. Fails with
 /// kInvalidOption (smoothing not positive), kFoldedMap (faces too thin for doubles), and as
@@ -47,6 +48,12 @@ Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& su
                                         const std::vector<double>& lengths,
                                         const CoverSurface& cover,
                                         const std::vector<SurfacePoint>& targets,
+                                        const HarmonicMatchOptions& options = {});
+
+/// The same from a class that is known: linkTargets', or linkBordered's of surfaces with boundary.
+Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& surface,
+                                        const std::vector<double>& lengths,
+                                        const CoverSurface& cover, const TargetLinks& targets,
                                         const HarmonicMatchOptions& options = {});
 
 }  // namespace moduli

@@ -8,11 +8,13 @@
 
 #include "core/base/side_by_side.h"
 #include "core/base/text.h"
+#include "core/matching/match_bordered.h"
 #include "core/matching/match_disks.h"
 #include "core/matching/match_handles.h"
 #include "core/matching/match_spheres.h"
 #include "core/matching/same_triangulation.h"
 #include "core/matching/spectral_match.h"
+#include "core/matching/split_surface.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli {
@@ -51,12 +53,6 @@ Status checkTopologies(const SurfaceTopology& a, const SurfaceTopology& b) {
     return {Reason::kUnsupportedTopology,
             "the surfaces are not of one topology: " + topologyText(a) + ", and " + topologyText(b),
             topologyHint(a, b)};
-  }
-  const bool disks = a.genus == 0 && a.boundary_loops.size() == 1;
-  if (!a.boundary_loops.empty() && !disks) {
-    return {Reason::kUnsupportedTopology,
-            "matching surfaces of " + topologyText(a) + " is not available",
-            "closed ones and disks can be matched; --fill-holes closes holes"};
   }
   return {};
 }
@@ -125,6 +121,12 @@ class Matching {
       result_.images = std::move(map.images);
       result_.inverse = std::move(map.inverse);
       measured_ = std::pair(*map.report, *map.distance);
+      return {};
+    }
+    if (!computeTopology(a_.connectivity()).boundary_loops.empty()) {
+      ASSIGN_OR_RETURN(BorderedCorrespondence map, matchBordered(context_, a_, b_, guess.points));
+      result_.images = std::move(map.images);
+      result_.inverse = std::move(map.inverse);
       return {};
     }
     ASSIGN_OR_RETURN(HandleCorrespondence map, matchHandles(context_, a_, b_, guess.points));
@@ -262,6 +264,34 @@ class Matching {
   SurfaceMatch result_;
 };
 
+/// Of surfaces with boundary other than disks: without edges that cut across them, which straight
+/// boundaries would lay flat.
+Result<SurfaceMatch> matchWithoutChords(Context& context, const TriangleMesh& a,
+                                        const TriangleMesh& b, const MatchOptions& options) {
+  ASSIGN_OR_RETURN(const SplitSurface free_a, SplitSurface::make(a));
+  ASSIGN_OR_RETURN(const SplitSurface free_b, SplitSurface::make(b));
+  MatchOptions there = options;
+  for (MatchLandmark& landmark : there.landmarks) {
+    landmark.a = free_a.after(landmark.a);
+    landmark.b = free_b.after(landmark.b);
+  }
+  ASSIGN_OR_RETURN(SurfaceMatch match,
+                   Matching(context, free_a.mesh(), free_b.mesh(), there).run());
+  match.images.resize(a.vertexCount());
+  match.inverse.resize(b.vertexCount());
+  for (SurfacePoint& point : match.images) point = free_b.before(point);
+  for (SurfacePoint& point : match.inverse) point = free_a.before(point);
+  return match;
+}
+
+Result<SurfaceMatch> matchOriented(Context& context, const TriangleMesh& a, const TriangleMesh& b,
+                                   const MatchOptions& options) {
+  if (isDisk(a.connectivity()) || computeTopology(a.connectivity()).boundary_loops.empty()) {
+    return Matching(context, a, b, options).run();
+  }
+  return matchWithoutChords(context, a, b, options);
+}
+
 }  // namespace
 
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
@@ -277,11 +307,11 @@ Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, cons
     RETURN_IF_ERROR(checkSurfacePoint(a.connectivity(), landmark.a, landmark.name));
     RETURN_IF_ERROR(checkSurfacePoint(b.connectivity(), landmark.b, landmark.name));
   }
-  if (!options.mirror) return Matching(context, a, b, options).run();
+  if (!options.mirror) return matchOriented(context, a, b, options);
   ASSIGN_OR_RETURN(const TriangleMesh mirrored, mirrorImage(b));
   MatchOptions turned = options;
   for (MatchLandmark& landmark : turned.landmarks) turnOver(landmark.b);
-  ASSIGN_OR_RETURN(SurfaceMatch match, Matching(context, a, mirrored, turned).run());
+  ASSIGN_OR_RETURN(SurfaceMatch match, matchOriented(context, a, mirrored, turned));
   for (SurfacePoint& point : match.images) turnOver(point);
   return match;
 }

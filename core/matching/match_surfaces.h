@@ -69,12 +69,13 @@ struct SurfaceMatch {
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
 /// keeps, whichever agrees better.
 ///
-/// a, b: closed, connected, of one genus; or disks (genus 0, one boundary loop), whose boundary is
-/// mapped onto the other's: images of its vertices have a weight of 0 on an edge of it. Landmarks
-/// on genus 0 alone; those of disks are met by vertices that are put there. Fails with
-/// kUnsupportedTopology (naming both topologies), kNoConvergence (no correspondence), kFoldedMap,
-/// kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism and matchHandles do. Some
-/// seconds at 50,000 vertices. Source: MATH 9.
+/// a, b: connected, of one genus and number of boundary loops. Boundaries are mapped onto each
+/// other: images of their vertices have a weight of 0 on an edge of the boundary, or 1 at a vertex
+/// of it. Landmarks on closed surfaces of genus 0 and on disks alone; those of disks are met by
+/// vertices that are put there. Fails with kUnsupportedTopology (naming both topologies),
+/// kNoConvergence (no correspondence), kFoldedMap, kInvalidOption (a landmark), as
+/// makeSpectralSurface, fitHomeomorphism, matchHandles and matchBordered do. Some seconds at 50,000
+/// vertices. Source: MATH 9.
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options = {});
 

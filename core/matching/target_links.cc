@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/matching/boundary_links.h"
 #include "core/matching/close_links.h"
 
 namespace moduli {
@@ -22,13 +23,15 @@ constexpr int kMostRounds = 12;
 /// of the surface itself, and what these ways make of coordinates.
 class PathSearch {
  public:
-  explicit PathSearch(const CoverSurface& cover)
+  /// vertices: ways go through the first so many.
+  PathSearch(const CoverSurface& cover, Index vertices)
       : cover_(cover),
         plane_(cover.geometry),
         frames_(vertexFrames(cover)),
         links_(ownLinks(cover, frames_)),
-        state_(cover.surface.vertexCount()),
-        most_(300 + cover.surface.vertexCount() / 100) {}
+        vertices_(vertices),
+        state_(vertices),
+        most_(300 + vertices / 100) {}
 
   void start(const SurfacePoint& point) {
     ++now_;
@@ -42,7 +45,7 @@ class PathSearch {
   }
 
   /// From here on nothing is far away.
-  void searchAll() { most_ = cover_.surface.vertexCount(); }
+  void searchAll() { most_ = vertices_; }
 
   /// From the coordinates of a point's face to those of the start, along the shortest way; nothing
   /// where it is far away.
@@ -117,7 +120,7 @@ class PathSearch {
     Index h = first;
     do {
       const Index beyond = surface.head(h);
-      if (state_[beyond].round != now_) {
+      if (beyond < vertices_ && state_[beyond].round != now_) {
         queue_.push({next.distance + length(h), beyond, h, false});
       }
       h = surface.rotate(h);
@@ -128,6 +131,7 @@ class PathSearch {
   CoverPlane plane_;
   std::vector<Motion> frames_;
   VertexLinks links_;
+  Index vertices_;
   std::vector<State> state_;
   std::priority_queue<Candidate> queue_;
   Index face_ = kNone;
@@ -137,19 +141,30 @@ class PathSearch {
 
 class Linking {
  public:
+  /// vertices: the first ones of the cover, through which paths go.
   Linking(Context& context, const Connectivity& surface, const CoverSurface& cover,
-          std::vector<SurfacePoint> targets)
+          std::vector<SurfacePoint> targets, Index vertices)
       : context_(context),
         surface_(surface),
         cover_(cover),
         plane_(cover.geometry),
-        search_(cover),
+        search_(cover, vertices),
         transitions_(surface.halfedgeCount()),
         known_(surface.edgeCount(), false),
         replaced_(surface.vertexCount(), false) {
     map_.images = std::move(targets);
   }
 
+  /// What the edges of the boundary are, known beforehand. Per halfedge.
+  void setBoundary(const std::vector<Motion>& transitions) {
+    for (Index e = 0; e < surface_.edgeCount(); ++e) {
+      if (!surface_.isBoundaryEdge(e)) continue;
+      known_[e] = true;
+      transitions_[surface_.halfedge(e)] = transitions[surface_.halfedge(e)];
+    }
+  }
+
+  /// All but what linksOf the map tell.
   Result<TargetLinks> run() {
     const Context::Stage stage(context_, "homotopy");
     RETURN_IF_ERROR(linkAround(std::vector<bool>(surface_.vertexCount(), true)));
@@ -187,12 +202,13 @@ class Linking {
           link(h);
         }
         h = surface_.rotate(h);
-      } while (h != first);
+      } while (h != first && h != kNone);
     }
     return {};
   }
 
   void link(Index h) {
+    if (surface_.twin(h) == kNone) return;
     const std::optional<Motion> found = search_.find(map_.images[surface_.head(h)]);
     known_[surface_.edge(h)] = found.has_value();
     if (!found) return;
@@ -220,7 +236,11 @@ class Linking {
     for (Index v = 0; v < surface_.vertexCount(); ++v) {
       if (2 * open[v] > degree[v] && !replaced_[v]) wrong[v] = true;
     }
-    return round > 1 && wrong != replaced_ ? widened(wrong) : wrong;
+    if (round > 1 && wrong != replaced_) wrong = widened(wrong);
+    for (Index v = 0; v < surface_.vertexCount(); ++v) {
+      if (surface_.isBoundaryVertex(v)) wrong[v] = false;
+    }
+    return wrong;
   }
 
   std::vector<bool> widened(const std::vector<bool>& set) const {
@@ -251,7 +271,7 @@ class Linking {
           queue.push_back(next);
         }
         h = surface_.rotate(h);
-      } while (h != first);
+      } while (h != first && h != kNone);
     }
   }
 
@@ -270,17 +290,8 @@ class Linking {
     if (const auto open = openFaces(surface_, map_.transitions); !open.empty()) {
       return undetermined(static_cast<std::ptrdiff_t>(open.size()));
     }
-    const VertexLinks links = linksOf(surface_, cover_, map_);
-    result.closure = closureResidual(surface_, links);
-    result.degree = coveredArea(cover_.geometry, surface_, links) / cover_.area;
     result.replaced = std::move(replaced_);
     result.map = std::move(map_);
-    if (std::lround(result.degree) != 1) {
-      return Status(Reason::kNoConvergence,
-                    "the places of vertices on the other surface cover it " +
-                        std::to_string(std::lround(result.degree)) + " times, not once",
-                    "they do not tell which handle goes to which");
-    }
     return result;
   }
 
@@ -295,22 +306,59 @@ class Linking {
   CoverMap map_;
 };
 
-}  // namespace
+/// Fails unless the targets cover the other surface, of this area, once.
+Result<TargetLinks> checked(const Connectivity& surface, const CoverSurface& cover, double area,
+                            TargetLinks found) {
+  const VertexLinks links = linksOf(surface, cover, found.map);
+  found.closure = closureResidual(surface, links);
+  found.area = coveredArea(cover.geometry, surface, links);
+  found.degree = found.area / area;
+  if (std::lround(found.degree) == 1) return found;
+  return Status(Reason::kNoConvergence,
+                "the places of vertices on the other surface cover it " +
+                    std::to_string(std::lround(found.degree)) + " times, not once",
+                "they do not tell which handle goes to which");
+}
 
-Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
-                                const CoverSurface& cover, std::vector<SurfacePoint> targets) {
+Status checkTargets(const Connectivity& surface, const CoverSurface& cover,
+                    const std::vector<SurfacePoint>& targets) {
   if (targets.size() != static_cast<std::size_t>(surface.vertexCount())) {
     return Status(Reason::kInvalidOption, std::to_string(targets.size()) + " targets for " +
                                               std::to_string(surface.vertexCount()) + " vertices");
-  }
-  if (surface.eulerCharacteristic() != cover.surface.eulerCharacteristic()) {
-    return Status(Reason::kUnsupportedTopology, "the surfaces have different numbers of handles");
   }
   for (std::size_t v = 0; v < targets.size(); ++v) {
     RETURN_IF_ERROR(
         checkSurfacePoint(cover.surface, targets[v], "the target of vertex " + std::to_string(v)));
   }
-  return Linking(context, surface, cover, std::move(targets)).run();
+  return {};
+}
+
+}  // namespace
+
+Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
+                                const CoverSurface& cover, std::vector<SurfacePoint> targets) {
+  RETURN_IF_ERROR(checkTargets(surface, cover, targets));
+  if (surface.eulerCharacteristic() != cover.surface.eulerCharacteristic()) {
+    return Status(Reason::kUnsupportedTopology, "the surfaces have different numbers of handles");
+  }
+  ASSIGN_OR_RETURN(
+      TargetLinks found,
+      Linking(context, surface, cover, std::move(targets), cover.surface.vertexCount()).run());
+  return checked(surface, cover, cover.area, std::move(found));
+}
+
+Result<TargetLinks> linkBordered(Context& context, const Connectivity& surface,
+                                 const Connectivity& b, const CoverSurface& cover,
+                                 const BoundaryMap& boundary, std::vector<SurfacePoint> targets) {
+  RETURN_IF_ERROR(checkTargets(surface, cover, targets));
+  for (Index v = 0; v < surface.vertexCount(); ++v) {
+    if (surface.isBoundaryVertex(v)) targets[v] = boundary.points[v];
+  }
+  Linking linking(context, surface, cover, std::move(targets), b.vertexCount());
+  linking.setBoundary(boundaryTransitions(surface, b, cover, boundary));
+  ASSIGN_OR_RETURN(TargetLinks found, linking.run());
+  found.slides = boundaryDirections(cover, boundary, found.map);
+  return checked(surface, cover, cover.area / 2, std::move(found));
 }
 
 }  // namespace moduli

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/base/context.h"
+#include "core/matching/boundary_map.h"
 #include "core/matching/cover_map.h"
 
 namespace moduli {
@@ -12,7 +13,10 @@ struct TargetLinks {
   CoverMap map;                ///< At the targets, or where a neighbour's was taken instead.
   std::vector<bool> replaced;  ///< Per vertex: whether its target contradicted its neighbours'.
   double closure = 0;          ///< Of the products around faces, from 1.
-  double degree = 0;           ///< Covered area over the other surface's: whole up to rounding.
+  double area = 0;             ///< That the targets cover.
+  double degree = 0;           ///< That over the other surface's area: whole up to rounding.
+  /// Of surfaces with boundary, per vertex: HarmonicOptions::slides for linksOf the map.
+  std::vector<Eigen::Vector2d> slides = {};
 };
 
 /// Joins the targets of neighbouring vertices by short paths along edges of the other surface.
@@ -28,5 +32,14 @@ struct TargetLinks {
 /// "homotopy". Source: MATH 9.4; Kneser 1930 (degree).
 Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
                                 const CoverSurface& cover, std::vector<SurfacePoint> targets);
+
+/// The same for surfaces with boundary, the other one being half of its double. Targets of the
+/// boundary are those of `boundary`; they are not replaced.
+///
+/// cover: of the double of B, whose first copy is numbered as B. targets: per vertex of A, on B.
+/// Fails as linkTargets does.
+Result<TargetLinks> linkBordered(Context& context, const Connectivity& surface,
+                                 const Connectivity& b, const CoverSurface& cover,
+                                 const BoundaryMap& boundary, std::vector<SurfacePoint> targets);
 
 }  // namespace moduli

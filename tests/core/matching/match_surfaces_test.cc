@@ -181,16 +181,46 @@ TEST(MatchSurfaces, NamesTopologiesThatDiffer) {
 }
 
 TEST(MatchSurfaces, SaysWhatIsNotAvailable) {
-  const TriangleMesh ring = meshOf(*makeSample("annulus", {{"resolution", 6}}));
   const TriangleMesh torus = meshOf(*makeSample("torus", {{"R", 2}, {"r", 1}, {"resolution", 8}}));
   Context context;
-  const auto bordered = matchSurfaces(context, ring, ring, surfacesAlone());
-  EXPECT_THAT(bordered, FailsWith(Reason::kUnsupportedTopology));
-  EXPECT_THAT(bordered.status().hint(), testing::HasSubstr("--fill-holes"));
   MatchOptions options;
   options.landmarks.push_back({});
   EXPECT_THAT(matchSurfaces(context, torus, torus, options),
               FailsWith(Reason::kUnsupportedTopology));
+}
+
+// A plate with three holes, without its mirror symmetry.
+TEST(MatchSurfaces, MapsBoundariesOntoEachOther) {
+  TriangleSoup soup = *makeSample("plate", {{"holes", 3}, {"resolution", 4}, {"seed", 2}});
+  for (Vector3d& p : soup.vertices) {
+    p[2] = 0.3 * std::sin(p[0]) + 0.05 * p[0] * p[1];
+    p[1] *= 1 + 0.08 * p[0];
+  }
+  const TriangleMesh a = meshOf(soup);
+  const Renumbered other = renumbered(moved(soup), 5);
+  const TriangleMesh b = meshOf(other.soup);
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  EXPECT_LT(mean(errors(found, b, carried(other))), 0.01);  // Edges are 0.04 long.
+  EXPECT_EQ(found.report.folded_faces, 0);
+  const auto boundaryVertices = [](const TriangleMesh& from, const TriangleMesh& to,
+                                   const std::vector<SurfacePoint>& images) {
+    for (Index v = 0; v < from.vertexCount(); ++v) {
+      if (!from.connectivity().isBoundaryVertex(v)) continue;
+      const auto& [face, weights] = images.at(v);
+      const auto least = std::min_element(weights.begin(), weights.end());
+      EXPECT_EQ(*least, 0);
+      bool on = false;
+      for (int c = 0; c < 3; ++c) {
+        const bool whole = weights[(c + 2) % 3] == 0;
+        on = on || (whole && to.connectivity().twin(3 * face + c) == kNone) ||
+             (weights[c] == 1 &&
+              to.connectivity().isBoundaryVertex(to.connectivity().face(face)[c]));
+      }
+      EXPECT_TRUE(on) << v;
+    }
+  };
+  boundaryVertices(a, b, found.images);
+  boundaryVertices(b, a, found.inverse);
 }
 
 TEST(MatchSurfaces, StopsWhenCancelled) {
