@@ -43,9 +43,19 @@ Status checkTargets(const Connectivity& a, const Connectivity& b,
   return {};
 }
 
-double areaOf(const Connectivity& surface, const Positions& positions) {
+Status checkPoles(const SphericalSource& a, const SphericalTarget& b) {
+  const bool disks =
+      a.pole == a.surface.vertexCount() - 1 && b.pole == b.sphere.surface().vertexCount() - 1;
+  if (disks || (a.pole == kNone && b.pole == kNone)) return {};
+  return {Reason::kInvalidOption,
+          "two disks have their poles for last vertices, two spheres have none"};
+}
+
+/// pole: its faces do not count.
+double areaOf(const Connectivity& surface, const Positions& positions, Index pole) {
   double sum = 0;
   for (const auto& [a, b, c] : surface.faces()) {
+    if (pole != kNone && (a == pole || b == pole || c == pole)) continue;
     sum += (positions[b] - positions[a]).cross(positions[c] - positions[a]).norm() / 2;
   }
   return sum;
@@ -61,10 +71,12 @@ class Fitting {
         options_(options),
         mesh_(std::move(mesh)),
         positions_(a.positions),
-        domain_(b.sphere, b.positions, std::sqrt(areaOf(b.sphere.surface(), b.positions))) {
-    const double unit = std::sqrt(areaOf(a.surface, a.positions));
+        domain_(b.sphere, b.positions, std::sqrt(areaOf(b.sphere.surface(), b.positions, b.pole)),
+                b.pole) {
+    const double unit = std::sqrt(areaOf(a.surface, a.positions, a.pole));
     for (Eigen::Vector3d& p : positions_) p /= unit;
     attractions_.resize(positions_.size());
+    for (const ExactVertex& exact : a.exact) mesh_.hold(exact.vertex);
   }
 
   Result<Homeomorphism> run(const std::vector<VertexTarget>& targets) {
@@ -74,11 +86,12 @@ class Fitting {
       const Status status = finish(attempt.map);
       if (status.reason() == Reason::kFoldedMap) continue;
       RETURN_IF_ERROR(status);
-      return describe(attempt, targets);
+      Result<Homeomorphism> found = describe(attempt, targets);
+      if (found.status().reason() != Reason::kFoldedMap) return found;
     }
     // All vertices at once, from where the start has them: this folds nothing, but stays near it.
     Attempt last{Relaxation(mesh_, positions_, domain_, attractions_)};
-    for (const Index v : last.map.present()) last.map.setImage(v, domain_.at(a_.start[v]));
+    for (const Index v : last.map.present()) last.map.setImage(v, startOf(v));
     RETURN_IF_ERROR(finish(last.map));
     return describe(last, targets);
   }
@@ -105,12 +118,20 @@ class Fitting {
     for (const VertexTarget& target : targets) sum += target.weight;
     const double factor = sum > 0 ? static_cast<double>(targets.size()) / sum : 0;
     for (const VertexTarget& target : targets) {
-      const Image image = domain_.at(target.point);
+      Image image = domain_.at(target.point);
+      if (mesh_.isRim(target.vertex)) image = domain_.onRim(image.direction);
       attractions_[target.vertex] = {image.space, image,
                                      std::min(target.weight * factor, kHeaviest)};
     }
     likely_ = attractions_;
   }
+
+  Image startOf(Index v) const {
+    if (v == mesh_.pole()) return poleImage();
+    return mesh_.isRim(v) ? domain_.onRim(a_.start[v]) : domain_.at(a_.start[v]);
+  }
+
+  Image poleImage() const { return domain_.at(vertexPoint(b_.sphere.surface(), b_.pole)); }
 
   /// Coarse maps of equally many vertices, best first.
   Result<std::vector<Attempt>> tryAll() {
@@ -166,7 +187,7 @@ class Fitting {
   /// The coarse mesh with its vertices as the start has them.
   Result<bool> beginAtStart(Relaxation& map) {
     for (const Index v : map.present()) {
-      map.setImage(v, domain_.at(a_.start[v]));
+      map.setImage(v, startOf(v));
       likely_[v] = attractions_[likelyTarget(v)];
     }
     return relaxCoarse(map);
@@ -178,7 +199,7 @@ class Fitting {
     const std::vector<Index> vertices = map.present();
     for (const Index v : vertices) {
       // Without a target: at the centre, where no face is positive.
-      map.setImage(v, Image());
+      map.setImage(v, v == mesh_.pole() ? poleImage() : Image());
       if (!(attractions_[v].weight > 0)) continue;
       likely_[v] = attractions_[likelyTarget(v)];
       map.setImage(v, likely_[v].image);
@@ -245,6 +266,7 @@ class Fitting {
   /// The vertex near v whose target is in the middle of those of all near v; v itself where its own
   /// target is about as far from that one as v is from the vertex.
   Index likelyTarget(Index v) const {
+    if (mesh_.isHeld(v)) return v;
     const std::size_t count =
         std::clamp<std::size_t>(positions_.size() / options_.coarse_vertices, 7, 20);
     std::vector<Index> near = {v};
@@ -253,6 +275,8 @@ class Fitting {
       const std::size_t end = near.size();
       for (; begin < end; ++begin) {
         for (const Index w : mesh_.ring(near[begin])) {
+          // Not through a cap; vertices of the boundary by those of the boundary.
+          if (w == mesh_.pole() || (mesh_.isRim(v) && !mesh_.isRim(w))) continue;
           if (std::find(near.begin(), near.end(), w) == near.end()) near.push_back(w);
         }
       }
@@ -260,7 +284,7 @@ class Fitting {
     double least = std::numeric_limits<double>::infinity();
     Index best = v;
     for (const Index w : near) {
-      if (!(attractions_[w].weight > 0)) continue;
+      if (!(attractions_[w].weight > 0) || mesh_.isRim(w) != mesh_.isRim(v)) continue;
       double sum = 0;
       for (const Index other : near) {
         const Attraction& to = attractions_[other];
@@ -290,7 +314,8 @@ class Fitting {
       result.images.push_back(image.point);
       images.push_back(spacePoint(b_.sphere.surface(), b_.positions, image.point));
     }
-    result.report = measureSpaceMap(a_.surface, a_.positions, images);
+    ASSIGN_OR_RETURN(result.report, reportOn(images));
+    RETURN_IF_ERROR(checkExact(result.points));
     for (const auto& [p, q, r] : a_.surface.faces()) {
       const Points3& at = result.points;
       if (spherical::orientationSign(at[p], at[q], at[r]) <= 0) ++result.report.folded_faces;
@@ -307,6 +332,26 @@ class Fitting {
                   std::to_string(result.report.folded_faces) + " faces of the map are folded");
   }
 
+  /// Of the surface's own faces.
+  Result<MapReport> reportOn(const Positions& images) const {
+    if (a_.pole == kNone) return measureSpaceMap(a_.surface, a_.positions, images);
+    std::vector<Triangle> own;
+    for (const Triangle& face : a_.surface.faces()) {
+      if (!mesh_.isCap(face[0], face[1], face[2])) own.push_back(face);
+    }
+    ASSIGN_OR_RETURN(const Connectivity disk, Connectivity::fromFaces(a_.pole, std::move(own)));
+    return measureSpaceMap(disk, a_.positions, images);
+  }
+
+  Status checkExact(const Points3& points) const {
+    for (const auto& [v, name] : a_.exact) {
+      if (!(attractions_[v].weight > 0) || points[v] == attractions_[v].image.direction) continue;
+      return {Reason::kFoldedMap,
+              "no map without folds was found that takes " + name + " to its place"};
+    }
+    return {};
+  }
+
   static constexpr Index kSizes = 2;   ///< Coarse meshes up to this many times the coarsest.
   static constexpr double kFar = 0.5;  ///< The pull's first scale: it reaches over the surface.
   /// A target may be this many times as far from one nearby as the vertices are from each other.
@@ -318,7 +363,7 @@ class Fitting {
   const SphericalSource& a_;
   const SphericalTarget& b_;
   const HomeomorphismOptions& options_;
-  const RingMesh mesh_;
+  RingMesh mesh_;
   Positions positions_;
   const SphereDomain domain_;
   std::vector<Attraction> attractions_;
@@ -339,8 +384,9 @@ Result<Homeomorphism> fitHomeomorphism(Context& context, const SphericalSource& 
                   "start, one point for every vertex");
   }
   RETURN_IF_ERROR(checkOptions(options));
+  RETURN_IF_ERROR(checkPoles(a, b));
   RETURN_IF_ERROR(checkTargets(a.surface, b.sphere.surface(), targets));
-  ASSIGN_OR_RETURN(RingMesh mesh, RingMesh::make(a.surface));
+  ASSIGN_OR_RETURN(RingMesh mesh, RingMesh::make(a.surface, a.pole));
   // The locator's own check: no face of the start is folded.
   if (auto start = SphereLocator::make(a.surface, a.start); !start.ok()) {
     return start.status().withContext("the start");

@@ -3,16 +3,18 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "core/base/side_by_side.h"
 #include "core/base/text.h"
-#include "core/matching/chords.h"
 #include "core/matching/match_bordered.h"
+#include "core/matching/match_disks.h"
 #include "core/matching/match_handles.h"
 #include "core/matching/match_spheres.h"
 #include "core/matching/same_triangulation.h"
 #include "core/matching/spectral_match.h"
+#include "core/matching/split_surface.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli {
@@ -52,11 +54,12 @@ Status checkTopologies(const SurfaceTopology& a, const SurfaceTopology& b) {
             "the surfaces are not of one topology: " + topologyText(a) + ", and " + topologyText(b),
             topologyHint(a, b)};
   }
-  if (a.euler_characteristic == 1) {
-    return {Reason::kUnsupportedTopology, "matching disks is not available",
-            "--fill-holes closes holes"};
-  }
   return {};
+}
+
+/// Of connected surfaces: 2 - 2 g - b is 1.
+bool isDisk(const Connectivity& surface) {
+  return surface.eulerCharacteristic() == 1;
 }
 
 /// Turned over: x with the other sign, and corners 1 and 2 of every face exchanged.
@@ -79,7 +82,8 @@ class Matching {
 
   Result<SurfaceMatch> run() {
     std::vector<std::vector<Index>> same;
-    if (options_.same_triangulation && options_.landmarks.empty()) {
+    if (options_.same_triangulation && options_.landmarks.empty() &&
+        options_.soft_landmarks.empty()) {
       ASSIGN_OR_RETURN(same, sameTriangulations(context_, a_.connectivity(), b_.connectivity()));
     }
     if (same.size() == 1) return takeTriangulation(same.front());
@@ -111,6 +115,15 @@ class Matching {
       ASSIGN_OR_RETURN(SphereCorrespondence map, matchSpheres(context_, a_, b_, guess, options_));
       result_.images = std::move(map.images);
       result_.inverse = std::move(map.inverse);
+      measureLandmarks(map.landmarks, map.soft_landmarks);
+      return {};
+    }
+    if (isDisk(a_.connectivity())) {
+      ASSIGN_OR_RETURN(SphereCorrespondence map, matchDisks(context_, a_, b_, guess, options_));
+      result_.images = std::move(map.images);
+      result_.inverse = std::move(map.inverse);
+      measured_ = std::pair(*map.report, *map.distance);
+      measureLandmarks(map.landmarks, map.soft_landmarks);
       return {};
     }
     if (!computeTopology(a_.connectivity()).boundary_loops.empty()) {
@@ -119,9 +132,11 @@ class Matching {
       result_.inverse = std::move(map.inverse);
       return {};
     }
-    ASSIGN_OR_RETURN(HandleCorrespondence map, matchHandles(context_, a_, b_, guess.points));
+    ASSIGN_OR_RETURN(HandleCorrespondence map,
+                     matchHandles(context_, a_, b_, guess.points, options_));
     result_.images = std::move(map.images);
     result_.inverse = std::move(map.inverse);
+    measureLandmarks(map.landmarks, map.soft_landmarks);
     return {};
   }
 
@@ -218,26 +233,38 @@ class Matching {
     return {};
   }
 
+  /// From where the map takes the landmarks.
+  void measureLandmarks(const std::vector<SurfacePoint>& exact,
+                        const std::vector<SurfacePoint>& soft) {
+    const auto largest = [&](const std::vector<MatchLandmark>& landmarks,
+                             const std::vector<SurfacePoint>& images) {
+      double error = 0;
+      for (std::size_t i = 0; i < landmarks.size(); ++i) {
+        const auto there = spacePoint(b_.connectivity(), b_.positions(), images[i]);
+        const auto wanted = spacePoint(b_.connectivity(), b_.positions(), landmarks[i].b);
+        error = std::max(error, (there - wanted).norm());
+      }
+      return error / std::sqrt(b_.area());
+    };
+    if (!exact.empty()) result_.landmark_error = largest(options_.landmarks, exact);
+    if (!soft.empty()) result_.soft_landmark_error = largest(options_.soft_landmarks, soft);
+  }
+
   Result<SurfaceMatch> judged() {
     const Context::Stage stage(context_, "judge");
     std::vector<Eigen::Vector3d> places;
     for (const SurfacePoint& point : result_.images) {
       places.push_back(spacePoint(b_.connectivity(), b_.positions(), point));
     }
-    result_.report = measureSpaceMap(a_.connectivity(), a_.positions(), places);
-    result_.distance = isometricDistortion(a_.connectivity(), a_.positions(), places);
+    if (measured_) {
+      std::tie(result_.report, result_.distance) = *measured_;
+    } else {
+      result_.report = measureSpaceMap(a_.connectivity(), a_.positions(), places);
+      result_.distance = isometricDistortion(a_.connectivity(), a_.positions(), places);
+    }
     result_.cycle_error = cycleError(a_.connectivity(), a_.positions(), result_.images,
                                      b_.connectivity(), result_.inverse) /
                           std::sqrt(a_.area());
-    if (!options_.landmarks.empty()) {
-      double largest = 0;
-      for (const MatchLandmark& landmark : options_.landmarks) {
-        const auto there = spacePoint(a_.connectivity(), places, landmark.a);
-        const auto wanted = spacePoint(b_.connectivity(), b_.positions(), landmark.b);
-        largest = std::max(largest, (there - wanted).norm());
-      }
-      result_.landmark_error = largest / std::sqrt(b_.area());
-    }
     return std::move(result_);
   }
 
@@ -245,32 +272,34 @@ class Matching {
   const TriangleMesh& a_;
   const TriangleMesh& b_;
   const MatchOptions& options_;
-  std::optional<Pair> own_;  ///< By their own metrics.
+  std::optional<std::pair<MapReport, double>> measured_;  ///< Of parts of faces.
+  std::optional<Pair> own_;                               ///< By their own metrics.
   SurfaceMatch result_;
 };
 
-/// Of surfaces with boundary: without edges that cut across them, which straight boundaries would
-/// lay flat.
+/// Of surfaces with boundary other than disks: without edges that cut across them, which straight
+/// boundaries would lay flat.
 Result<SurfaceMatch> matchWithoutChords(Context& context, const TriangleMesh& a,
                                         const TriangleMesh& b, const MatchOptions& options) {
-  ASSIGN_OR_RETURN(const ChordFreeMesh free_a, splitChords(a));
-  ASSIGN_OR_RETURN(const ChordFreeMesh free_b, splitChords(b));
+  ASSIGN_OR_RETURN(const SplitSurface free_a, SplitSurface::make(a));
+  ASSIGN_OR_RETURN(const SplitSurface free_b, SplitSurface::make(b));
   MatchOptions there = options;
   for (MatchLandmark& landmark : there.landmarks) {
-    landmark.a = free_a.fromSurface(landmark.a);
-    landmark.b = free_b.fromSurface(landmark.b);
+    landmark.a = free_a.after(landmark.a);
+    landmark.b = free_b.after(landmark.b);
   }
-  ASSIGN_OR_RETURN(SurfaceMatch match, Matching(context, free_a.mesh, free_b.mesh, there).run());
+  ASSIGN_OR_RETURN(SurfaceMatch match,
+                   Matching(context, free_a.mesh(), free_b.mesh(), there).run());
   match.images.resize(a.vertexCount());
   match.inverse.resize(b.vertexCount());
-  for (SurfacePoint& point : match.images) point = free_b.onSurface(point);
-  for (SurfacePoint& point : match.inverse) point = free_a.onSurface(point);
+  for (SurfacePoint& point : match.images) point = free_b.before(point);
+  for (SurfacePoint& point : match.inverse) point = free_a.before(point);
   return match;
 }
 
 Result<SurfaceMatch> matchOriented(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options) {
-  if (computeTopology(a.connectivity()).boundary_loops.empty()) {
+  if (isDisk(a.connectivity()) || computeTopology(a.connectivity()).boundary_loops.empty()) {
     return Matching(context, a, b, options).run();
   }
   return matchWithoutChords(context, a, b, options);
@@ -282,19 +311,26 @@ Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, cons
                                    const MatchOptions& options) {
   RETURN_IF_ERROR(
       checkTopologies(computeTopology(a.connectivity()), computeTopology(b.connectivity())));
-  if (!options.landmarks.empty() && a.connectivity().eulerCharacteristic() != 2) {
+  const bool is_closed = computeTopology(a.connectivity()).boundary_loops.empty();
+  const bool is_disk = isDisk(a.connectivity());
+  if (!is_closed && ((!is_disk && !options.landmarks.empty()) || !options.soft_landmarks.empty())) {
     return Status(Reason::kUnsupportedTopology,
-                  "landmarks of surfaces with handles are not available",
-                  "match without them; landmarks are met on surfaces of genus 0");
+                  is_disk
+                      ? "soft landmarks of disks are not available"
+                      : "landmarks of surfaces with boundary other than disks are not available",
+                  "match without them, or close the holes with --fill-holes");
   }
-  for (const MatchLandmark& landmark : options.landmarks) {
-    RETURN_IF_ERROR(checkSurfacePoint(a.connectivity(), landmark.a, landmark.name));
-    RETURN_IF_ERROR(checkSurfacePoint(b.connectivity(), landmark.b, landmark.name));
+  for (const auto* landmarks : {&options.landmarks, &options.soft_landmarks}) {
+    for (const MatchLandmark& landmark : *landmarks) {
+      RETURN_IF_ERROR(checkSurfacePoint(a.connectivity(), landmark.a, landmark.name));
+      RETURN_IF_ERROR(checkSurfacePoint(b.connectivity(), landmark.b, landmark.name));
+    }
   }
   if (!options.mirror) return matchOriented(context, a, b, options);
   ASSIGN_OR_RETURN(const TriangleMesh mirrored, mirrorImage(b));
   MatchOptions turned = options;
   for (MatchLandmark& landmark : turned.landmarks) turnOver(landmark.b);
+  for (MatchLandmark& landmark : turned.soft_landmarks) turnOver(landmark.b);
   ASSIGN_OR_RETURN(SurfaceMatch match, matchOriented(context, a, mirrored, turned));
   for (SurfacePoint& point : match.images) turnOver(point);
   return match;

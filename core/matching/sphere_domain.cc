@@ -9,8 +9,8 @@
 namespace moduli {
 
 SphereDomain::SphereDomain(const SphereLocator& sphere,
-                           const std::vector<Eigen::Vector3d>& positions, double unit)
-    : sphere_(sphere), positions_(positions) {
+                           const std::vector<Eigen::Vector3d>& positions, double unit, Index pole)
+    : sphere_(sphere), pole_(pole), positions_(positions) {
   for (Eigen::Vector3d& p : positions_) p /= unit;
   normals_.reserve(sphere.surface().faceCount());
   twice_areas_.reserve(sphere.surface().faceCount());
@@ -21,6 +21,7 @@ SphereDomain::SphereDomain(const SphereLocator& sphere,
     normals_.push_back(twice_areas_.back() > 0 ? Eigen::Vector3d(normal / twice_areas_.back())
                                                : Eigen::Vector3d::Zero());
   }
+  if (pole_ != kNone) rim_.emplace(sphere.surface(), sphere.points(), positions_);
 }
 
 Image SphereDomain::at(const SurfacePoint& point) const {
@@ -73,6 +74,7 @@ Image SphereDomain::walk(const Image& start, const Eigen::Vector3d& motion, int 
     left *= 1 - fraction;
     const Index h = 3 * here.face + (leave + 1) % 3;  // The side opposite the corner `leave`.
     const Index twin = surface.twin(h);
+    if (pole_ != kNone && surface.tail(Connectivity::previous(twin)) == pole_) break;
     const Eigen::Vector3d along = (positions_[surface.head(h)] - positions_[surface.tail(h)]);
     const double length = along.norm();
     if (!(length > 0)) break;
@@ -88,6 +90,29 @@ Image SphereDomain::walk(const Image& start, const Eigen::Vector3d& motion, int 
     here = there;
   }
   return at(here);
+}
+
+Image SphereDomain::onRim(const Eigen::Vector3d& direction) const {
+  Image image = at(rim_->at(direction));
+  const Eigen::Vector3d level(direction.x(), direction.y(), 0);
+  const bool is_unit = std::abs(level.squaredNorm() - 1) < 1e-14;
+  image.direction = is_unit ? level : level.normalized();
+  return image;
+}
+
+Image SphereDomain::walkRim(const Image& start, double length) const {
+  return at(rim_->atPlace(rim_->place(start.point) + length));
+}
+
+Eigen::Vector3d SphereDomain::rimTangent(const Image& at) const {
+  const Connectivity& surface = sphere_.surface();
+  const Index h = rim_->halfedge(rim_->edgeOf(at.point));
+  return (positions_[surface.head(h)] - positions_[surface.tail(h)]).stableNormalized();
+}
+
+double SphereDomain::rimWay(const Image& from, const Image& to) const {
+  const double way = rim_->place(to.point) - rim_->place(from.point);
+  return way < 0 ? way + rim_->length() : way;
 }
 
 double SphereDomain::clearance(const Image& a, const Image& b, const Image& c) {

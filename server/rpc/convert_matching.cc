@@ -30,6 +30,7 @@ v1::MatchCertificate certificateOf(const SurfaceMatch& match) {
   set(&Certificate::set_area_distortion, report.area_distortion);
   set(&Certificate::set_cycle_error, match.cycle_error);
   set(&Certificate::set_landmark_error, match.landmark_error);
+  set(&Certificate::set_soft_landmark_error, match.soft_landmark_error);
   set(&Certificate::set_defect, match.defect);
   return certificate;
 }

@@ -145,6 +145,16 @@ TEST_F(Match, LandmarksAreMet) {
     EXPECT_LT((placeOf(map[v], copy_.soup) - lumpy().vertices[v]).norm(), 1e-9);
   }
   EXPECT_THAT(run(words).out, HasSubstr("landmarks are met up to "));
+  // One that is not where it belongs may be missed.
+  write("soft.txt", "60 " + std::to_string(copy_.image[61]) + "\n");
+  std::vector<std::string> both = words;
+  both.insert(both.end(), {"--soft-landmarks", "soft.txt"});
+  const Json drawn = json(both);
+  EXPECT_LT(drawn["certificate"]["landmark_error"].number(), 1e-9);
+  EXPECT_GT(drawn["certificate"]["soft_landmark_error"].number(), 1e-6);
+  EXPECT_THAT(run(both).out, HasSubstr("soft landmarks are missed by up to "));
+  write("soft.txt", "60\n");
+  expectRefusal(both, "error: soft.txt:1: has 1 word instead of two vertices");
   // What is wrong with them is told by line.
   write("marks.txt", "3 3\n4 252\n");
   expectRefusal(words, "error: marks.txt:2: on the second surface: a landmark at vertex 252, but");
@@ -205,8 +215,13 @@ TEST_F(Match, SurfacesWithHandlesAreMatched) {
       }
     }
   }
-  write("marks.txt", "1 1\n");
-  expectRefusal({"match", "t1.off", "t2.off", "--landmarks", "marks.txt"}, "UNSUPPORTED_TOPOLOGY");
+  // Landmarks are met on them, too; two of them cannot go to one place.
+  write("marks.txt", "# faces\n7 0.5 0.25 0.25 7 1 0 0\n");
+  const Json marked = json({"match", "g1.off", "g1.off", "--landmarks", "marks.txt"});
+  EXPECT_LT(marked["certificate"]["landmark_error"].number(), 1e-9);
+  write("marks.txt", "1 1\n2 1\n");
+  expectRefusal({"match", "g1.off", "g1.off", "--landmarks", "marks.txt"},
+                "marks.txt:1 and marks.txt:2 are sent to the same place");
 }
 
 TEST_F(Match, StoredShapesAreMatched) {
