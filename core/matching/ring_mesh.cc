@@ -67,18 +67,13 @@ bool RingMesh::keepsDisk(Index removed, Index kept) const {
   if (kept == pole_) return false;
   if (isRim(removed)) return isRim(kept);
   if (!isRim(kept)) return true;
-  // A neighbour on the rim must be joined to `kept` already, and not turn the face behind it into
-  // one with all corners on the rim.
+  // A neighbour on the rim must be joined to `kept` already; the last vertex inside stays.
   const Ring& ring = rings_[removed];
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Index a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
-    if (a == kept || !isRim(a)) continue;
-    if (std::find(rings_[kept].begin(), rings_[kept].end(), a) == rings_[kept].end()) return false;
-    const Index before = ring[i == 0 ? ring.size() - 1 : i - 1];
-    const Index behind = b == kept ? before : b;
-    if (isRim(behind)) return false;
-  }
-  return true;
+  const bool alone = std::all_of(ring.begin(), ring.end(), [&](Index w) { return isRim(w); });
+  return !alone && std::all_of(ring.begin(), ring.end(), [&](Index w) {
+    return w == kept || !isRim(w) ||
+           std::find(rings_[kept].begin(), rings_[kept].end(), w) != rings_[kept].end();
+  });
 }
 
 bool RingMesh::canCollapse(Index removed, Index kept) const {

@@ -78,9 +78,9 @@ std::optional<Vector3d> placeOnRim(const RingMesh& mesh, Index v, const Points3&
   for (const Index other : ring) {
     if (other == neighbour || !mesh.isRim(other)) continue;
     for (double share = 0.5; share > std::ldexp(1.0, -kHalvings); share /= 2) {
-      Vector3d p = points[neighbour] + share * (points[other] - points[neighbour]);
-      p.z() = 0;
-      p.normalize();
+      // Of height 0, as both are.
+      const Vector3d p =
+          (points[neighbour] + share * (points[other] - points[neighbour])).normalized();
       if (isInKernel(ring, points, p)) return p;
     }
   }

@@ -202,13 +202,14 @@ class ConeChoice {
 
   Result<ChosenCones> run() {
     ASSIGN_OR_RETURN(Eigen::VectorXd u, scales_.evenScale(context_, sum_));
-    ChosenCones result;
-    result.spread_before = result.spread = spreadOf(u);
+    const double spread_before = spreadOf(u);
+    std::optional<ChosenCones> best;
+    // There is a flat metric without cones.
     if (std::abs(sum_) < kNothing || !scales_.closed()) {
-      if (result.spread <= options_.spread) return result;
+      best = ChosenCones{{}, spread_before, spread_before};
+      if (best->spread <= options_.spread) return *std::move(best);
     }
     u.array() -= u.mean();
-    std::optional<ChosenCones> best;
     while (addExtremes(u, best.has_value())) {
       RETURN_IF_ERROR(context_.check());
       RETURN_IF_ERROR(takeCandidates());
@@ -220,7 +221,7 @@ class ConeChoice {
       if (best && best->spread <= options_.spread) break;
     }
     if (!best) return tooFew();
-    best->spread_before = result.spread_before;
+    best->spread_before = spread_before;
     return *std::move(best);
   }
 

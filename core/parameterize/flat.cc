@@ -38,6 +38,17 @@ constexpr double kMaxResidual = 1e-9;
 constexpr double kMaxClosure = 1e-4;
 constexpr const char* kMap = "the flat layout";
 
+/// A theorem forbids a closed sphere with one cone or two, whatever their curvatures.
+Status checkSphere(const Connectivity& surface, std::size_t cones) {
+  if (surface.eulerCharacteristic() <= 0 || cones == 0 || cones > 2) return {};
+  return {
+      Reason::kInvalidOption,
+      "by the theorem of Gauss and Bonnet the cones of a flat sphere share a curvature of 4 pi, "
+      "and each has less than 2 pi: " +
+          std::string(cones == 1 ? "one cone" : "two cones") + " cannot, three can",
+      "name three cones at least"};
+}
+
 class Flattening {
  public:
   Flattening(Context& context, const Connectivity& surface, const std::vector<double>& lengths,
@@ -48,6 +59,9 @@ class Flattening {
   }
 
   Result<FlatMap> run() {
+    if (!bordered_) {
+      RETURN_IF_ERROR(checkSphere(surface_, options_.cones.size()));
+    }
     ASSIGN_OR_RETURN(target_, flatTarget(surface_, options_.cones, options_.boundary, lengths_));
     RETURN_IF_ERROR(options_.scheme == Scheme::kVertexScaling ? scaleVertices() : packCircles());
     return layOutFaces({surface_, charts_});

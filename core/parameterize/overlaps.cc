@@ -330,12 +330,12 @@ std::vector<Index> islandsOf(const Connectivity& surface, const std::vector<Inde
 
 Index cutOverlaps(const Connectivity& surface, std::vector<Complex>& points,
                   std::vector<Index>& corner) {
-  // Sides that touched may overlap by a rounding error once they are moved: then once more.
-  constexpr int kMostRounds = 12;
+  constexpr auto kAll = std::numeric_limits<std::size_t>::max();
   std::vector<Index> island = islandsOf(surface, corner);
-  for (int round = 0; round < kMostRounds; ++round) {
-    const auto pairs = findOverlaps(points, corner, std::numeric_limits<std::size_t>::max());
-    if (pairs.empty()) break;
+  // Sides that touched may overlap by a rounding error once they are moved: then once more, which
+  // ends because every round cuts an island.
+  for (auto pairs = findOverlaps(points, corner, kAll); !pairs.empty();
+       pairs = findOverlaps(points, corner, kAll)) {
     island = IslandGrower(surface, points, corner, pairs).run(island);
     PlanarLayout layout = separate(surface, points, corner, island);
     points = std::move(layout.points);

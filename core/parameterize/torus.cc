@@ -56,22 +56,26 @@ class TorusMapping {
   }
 
  private:
-  /// The faces in the flat metric: from either starting triangulation, or cut.
+  /// The faces in the flat metric: from either starting triangulation, or of the one asked for,
+  /// cut. (The other one's metric may be far from the surface's where that has caps.)
   Result<FlatFaces> findFaces() {
     std::optional<Uniformization> folding;
-    Index least = 0;
+    Index folded = 0;
     for (const bool initial_delaunay : {options_.initial_delaunay, !options_.initial_delaunay}) {
       ASSIGN_OR_RETURN(Uniformization found,
                        uniformize(context_, surface_, lengths_, {initial_delaunay}));
       FlatFaces faces = flatFaces(surface_, found.metric);
-      if (folding && faces.folded >= least) continue;
-      certify(found.metric.certificate);
-      if (faces.folded == 0) return faces;
-      least = faces.folded;
+      if (faces.folded == 0) {
+        certify(found.metric.certificate);
+        return faces;
+      }
+      if (folding) break;
+      folded = faces.folded;
       folding = std::move(found);
     }
+    certify(folding->metric.certificate);
     if (!options_.refine) {
-      return foldedMap(kMap, least, surface_.faceCount(), "--refine auto cuts these faces");
+      return foldedMap(kMap, folded, surface_.faceCount(), "--refine auto cuts these faces");
     }
     ASSIGN_OR_RETURN(FlatFaces refined, refineFlatFaces(context_, surface_, folding->metric));
     if (refined.folded == 0) return refined;

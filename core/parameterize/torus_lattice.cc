@@ -177,17 +177,29 @@ bool meetsVertexTwice(const Connectivity& surface, const std::vector<Index>& wal
   return std::adjacent_find(vertices.begin(), vertices.end()) != vertices.end();
 }
 
-/// The best of the ways from these vertices.
-std::vector<Index> shortestWay(const Connectivity& surface, const WaySearch& search,
-                               const std::vector<Index>& starts,
-                               const std::vector<bool>& forbidden) {
+/// The best of the ways from every so manieth of these vertices; empty where it meets a vertex
+/// twice.
+std::vector<Index> bestWay(const Connectivity& surface, const WaySearch& search,
+                           const std::vector<Index>& starts, const std::vector<bool>& forbidden,
+                           std::size_t stride) {
   double bound = std::numeric_limits<double>::infinity();
   std::vector<Index> best;
-  for (const Index v : starts) {
-    std::vector<Index> way = search.find(v, forbidden, bound);
+  for (std::size_t n = 0; n < starts.size(); n += stride) {
+    std::vector<Index> way = search.find(starts[n], forbidden, bound);
     if (!way.empty()) best = std::move(way);
   }
   return meetsVertexTwice(surface, best) ? std::vector<Index>() : best;
+}
+
+/// From some of these vertices or, where that finds none, from all: the best of all crosses no
+/// translate of itself, because the parts between crossings could be exchanged for better ones.
+std::vector<Index> shortestWay(const Connectivity& surface, const WaySearch& search,
+                               const std::vector<Index>& starts,
+                               const std::vector<bool>& forbidden) {
+  constexpr std::size_t kSome = 24;
+  const std::size_t stride = 1 + starts.size() / kSome;
+  std::vector<Index> way = bestWay(surface, search, starts, forbidden, stride);
+  return way.empty() ? bestWay(surface, search, starts, forbidden, 1) : way;
 }
 
 std::vector<Index> verticesOf(const Connectivity& surface, const std::vector<Index>& walk) {

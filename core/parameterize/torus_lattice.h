@@ -56,9 +56,9 @@ struct TorusCut {
   std::array<std::vector<Index>, 2> walks;  ///< Halfedges, one after the other.
 };
 
-/// Short ones: each of least length, ways across its generator counting three times, the second
-/// among those that do not cross the first. Walks are empty where there are none, on
-/// triangulations of a few faces. About sqrt(V) searches of sqrt(V) times a few vertices.
+/// Short ones: of least length among those from some vertices, ways across their generator counting
+/// three times, the second one not crossing the first. Walks are empty where there are none, on
+/// triangulations of a few faces. Some 50 searches, each among the vertices near a straight line.
 TorusCut shortCut(const Connectivity& surface, const TorusLattice& lattice);
 
 }  // namespace moduli

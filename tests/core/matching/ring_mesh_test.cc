@@ -131,6 +131,15 @@ TEST(RingMesh, OfADiskStaysOneAndComesBackAsItWas) {
   for (Index v = 0; v < count; ++v) EXPECT_EQ(normalized(rings.ring(v)), before[v]);
 }
 
+TEST(RingMesh, OfADiskKeepsTheLastVertexInside) {
+  const TriangleMesh disk = *TriangleMesh::fromSoup(
+      {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}});
+  const TriangleMesh capped = *cappedDisk(disk);
+  auto rings = RingMesh::make(capped.connectivity(), 4);
+  ASSERT_OK(rings);
+  for (const Index v : {1, 2, 3}) EXPECT_FALSE(rings->canCollapse(0, v));
+}
+
 TEST(RingMesh, RefusesADiskWithAnEdgeAcross) {
   const TriangleMesh square = *TriangleMesh::fromSoup(twoTriangles());
   const TriangleMesh capped = *cappedDisk(square);

@@ -209,6 +209,14 @@ TEST(ChooseCones, SaysWhichTheoremForbidsTooFew) {
   EXPECT_OK(chosen(sphere, options));
   options.quantum = 1;
   EXPECT_THAT(chosen(sphere, options), FailsWith(Reason::kInvalidOption));
+  // A torus has a flat metric without any.
+  options = {};
+  options.most = 0;
+  options.spread = 1e-3;
+  const auto none = chosen(torusOfRevolution(1.5, 1, 12, 8), options);
+  ASSERT_OK(none);
+  EXPECT_TRUE(none->cones.empty());
+  EXPECT_EQ(none->spread, none->spread_before);
   options = {};
   options.spread = 0;
   EXPECT_THAT(chosen(sphere, options), FailsWith(Reason::kInvalidOption));

@@ -403,6 +403,11 @@ TEST(ParameterizeFlat, RefusesWhatHasNoMetric) {
   const MetricSurface sphere = sample("sphere", {{"resolution", 2}});
   FlatOptions options;
   EXPECT_THAT(flatten(sphere, options), FailsWith(Reason::kInvalidOption));
+  options.cones = {{0, 4 * kPi}};
+  EXPECT_THAT(flatten(sphere, options), FailsWith(Reason::kInvalidOption));
+  EXPECT_EQ(flatten(sphere, options).status().message(),
+            "by the theorem of Gauss and Bonnet the cones of a flat sphere share a curvature of "
+            "4 pi, and each has less than 2 pi: one cone cannot, three can");
   options.cones = {{0, 2 * kPi}, {1, kPi}, {2, kPi}};
   EXPECT_THAT(flatten(sphere, options), FailsWith(Reason::kInvalidOption));
   options.cones = {{0, kPi}, {0, kPi}, {1, kPi}, {2, kPi}};
