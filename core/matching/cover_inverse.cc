@@ -1,5 +1,6 @@
 #include "core/matching/cover_inverse.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -60,9 +61,19 @@ Result<std::vector<SurfacePoint>> invertCoverMap(Context& context, const Connect
     done[v] = true;
     queue.push_back(v);
   };
-  // From vertex 0 of A to a corner of the face that it is mapped to.
-  const Index h = surface.outgoing(0), corner = 3 * map.images[0].face;
-  const Motion at_vertex = plane.inverse(plane.shift(plane.wayTo(map.places[0])));
+  // From a vertex of A to a corner of the face that it is mapped to. Rounding may have put vertices
+  // of a boundary beyond it, where corners do not count.
+  const auto counts = [&](Index face) {
+    const Triangle& corners = cover.surface.face(face);
+    return std::all_of(corners.begin(), corners.end(), [&](Index v) { return v < vertices; });
+  };
+  Index start = 0;
+  while (start + 1 < surface.vertexCount() && !counts(map.images[start].face)) ++start;
+  if (!counts(map.images[start].face)) {
+    return Status(Reason::kFoldedMap, "the map leaves the surface across its boundary");
+  }
+  const Index h = surface.outgoing(start), corner = 3 * map.images[start].face;
+  const Motion at_vertex = plane.inverse(plane.shift(plane.wayTo(map.places[start])));
   put(cover.surface.tail(corner), Connectivity::faceOf(h), image.corners[h],
       intoFace(image, links, h) * at_vertex * frames[corner]);
   for (std::size_t n = 0; n < queue.size(); ++n) {
