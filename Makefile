@@ -13,7 +13,7 @@ BUILD_PACKAGES := g++ cmake ninja-build ccache pkg-config \
   libeigen3-dev libopenmesh-dev libflann-dev liblz4-dev \
   libsuitesparse-dev libopenblas-pthread-dev libopenblas0-pthread \
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc \
-  libsqlite3-dev libzstd-dev libssl-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev \
+  libsqlite3-dev libzstd-dev libssl-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libtinygltf-dev \
   libcairo2-dev fonts-dejavu-core libexpat1-dev zlib1g-dev \
   libgtest-dev libgmock-dev libbenchmark-dev libspectra-dev
 TEST_PACKAGES := $(BUILD_PACKAGES) clang-format clang-19 libclang-rt-19-dev
