@@ -18,6 +18,9 @@ BUILD_PACKAGES := g++ cmake ninja-build ccache pkg-config \
   libgtest-dev libgmock-dev libbenchmark-dev libspectra-dev
 TEST_PACKAGES := $(BUILD_PACKAGES) clang-format clang-19 libclang-rt-19-dev
 
+# For validating glTF; that test is skipped where there is no npm.
+NPM_PACKAGES := gltf-validator@2.0.0-dev.3.10
+
 JOBS ?= $(shell nproc)
 MESHES ?=
 FUZZ_SECONDS ?= 600
@@ -50,6 +53,10 @@ install-build:
 
 install-test:
 	@$(call install,$(TEST_PACKAGES))
+	@if command -v npm >/dev/null && [ ! -d build/npm/node_modules/gltf-validator ]; then \
+	  npm install --silent --no-fund --no-audit --no-save --prefix build/npm $(NPM_PACKAGES) || \
+	    echo "npm failed: glTF files are not validated"; \
+	fi
 
 build: install-build
 	cmake --preset release -Wno-dev

@@ -68,6 +68,7 @@ class Builder {
     model_.scenes.emplace_back();
     model_.defaultScene = 0;
     if (mesh.primitives.empty()) {
+      model_.scenes[0].name = "empty";  // The library makes a null of a scene without anything.
       model_.buffers.clear();
     } else {
       tinygltf::Node node;
