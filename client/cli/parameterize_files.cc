@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 #include <utility>
 
 #include "client/cli/gifti_output.h"
 #include "client/cli/map_gltf.h"
+#include "client/cli/map_panels.h"
 #include "client/cli/output.h"
 #include "client/cli/parameterize_picture.h"
 #include "client/cli/textured_obj.h"
@@ -84,7 +86,19 @@ Status ParameterizeFiles::writeOutput(const ParameterizedMesh& mesh, const MeshA
     return output_file_->write(bytes);
   }
   if (extensionOf(output_) == ".glb") {
-    ASSIGN_OR_RETURN(const std::string bytes, parameterizationGltf(mesh, fileName(input.name())));
+    CornerColor colors;
+    std::optional<MapPanels> panels;
+    if (arguments_.text("draw", "checker") != "checker") {
+      ASSIGN_OR_RETURN(const DrawnMap drawn, DrawnMap::open(client, arguments_, input, mesh));
+      panels.emplace(drawn.picture());
+      colors = [&panels](std::size_t corner) {
+        Vec3 weights{};
+        weights[corner % 3] = 1;
+        return panels->colorAt(static_cast<int>(corner / 3), weights);
+      };
+    }
+    ASSIGN_OR_RETURN(const std::string bytes,
+                     parameterizationGltf(mesh, fileName(input.name()), colors));
     return output_file_->write(bytes);
   }
   return writeTexturedObj(mesh,
@@ -104,7 +118,8 @@ Status ParameterizeFiles::write(const ParameterizedMesh& mesh, const MeshArgumen
   }
   if (output_file_ != nullptr) RETURN_IF_ERROR(writeOutput(mesh, input, client));
   if (picture_file_ != nullptr) {
-    ASSIGN_OR_RETURN(const std::string bytes, pictureOf(client, arguments_, input, mesh));
+    ASSIGN_OR_RETURN(const DrawnMap drawn, DrawnMap::open(client, arguments_, input, mesh));
+    ASSIGN_OR_RETURN(const std::string bytes, drawMap(drawn.picture()));
     RETURN_IF_ERROR(picture_file_->write(bytes));
   }
   for (const auto& file : files_) RETURN_IF_ERROR(file->commit());
