@@ -12,7 +12,8 @@
 namespace moduli::cli {
 namespace {
 
-constexpr double kShown = 0.98;  // Of the area, on the bar.
+constexpr double kShown = 0.98;     // Of the area, on the bar.
+constexpr double kRounding = 1e-9;  // What lies no farther beyond the bar is on it.
 
 std::string number(double value) {
   std::array<char, 32> text;
@@ -67,7 +68,7 @@ MapHeat MapHeat::ofDilatation(const MapDrawing& drawing) {
   heat.legend_.color = heatColor;
   for (int k = 0; k <= span.parts; ++k) {
     const double place = double(k) / span.parts;
-    const bool exceeded = k == span.parts && most > heat.high_;
+    const bool exceeded = k == span.parts && most > heat.high_ + kRounding;
     heat.legend_.ticks.push_back({place, (exceeded ? "≥ " : "") + number(1 + place * span.span)});
   }
   heat.summary_ = "dilatation: mean " + number(areaMean(measures.dilatation, measures.area)) +
@@ -97,7 +98,8 @@ MapHeat MapHeat::ofScale(const MapDrawing& drawing, bool in_hyperbolic_disk) {
   heat.legend_.title = "scale";
   heat.legend_.color = [](double place) { return divergingColor(2 * place - 1); };
   const auto mark = [&](double place, double power) {
-    const bool below = place == 0 && low < heat.low_, above = place == 1 && high > heat.high_;
+    const bool below = place == 0 && low < heat.low_ - kRounding,
+               above = place == 1 && high > heat.high_ + kRounding;
     heat.legend_.ticks.push_back({place, (below   ? "≤ "
                                           : above ? "≥ "
                                                   : "") +

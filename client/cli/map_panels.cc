@@ -194,6 +194,7 @@ std::string MapPanels::layoutText() const {
   long long seams = 0;
   for (const EdgeGroup& group : seams_) seams += static_cast<long long>(group.edges.size());
   // Each edge of the surface is drawn once for every side.
+  if (seams == 0) return counted(islands, "island", "islands") + ", no seams";
   return counted(islands, "island", "islands") + ", seams along " +
          counted(seams / 2, "edge", "edges") + ", colours tell which belong together";
 }
