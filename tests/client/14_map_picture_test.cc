@@ -230,7 +230,8 @@ TEST(MapPicture, HasTheSizeThatWasAskedFor) {
       MapPicture picture = pictureOf(*map);
       picture.size = size;
       picture.draw = kDraws[n / 2];
-      if (hasNoLayout(picture)) continue;
+      const bool large = size.width > 2000 || size.height > 2000;
+      if (hasNoLayout(picture) || (n > 1 && large)) continue;
       const auto png = drawMap(picture);
       ASSERT_OK(png);
       EXPECT_EQ(sizeOfPng(*png), std::pair(size.width, size.height));
