@@ -1,6 +1,7 @@
 #include "client/cli/map_panels.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -91,15 +92,26 @@ std::vector<Segment> outline(const DrawnCircle& circle, bool upright) {
   return segments;
 }
 
+Segment segmentOf(const MapDrawing& drawing, const MapEdge& edge, bool in_space) {
+  const std::vector<Vec3>& points = in_space ? drawing.surface : drawing.points;
+  const std::array<int, 2>& ends = in_space ? edge.vertices : edge.points;
+  return {points[ends[0]], points[ends[1]]};
+}
+
 std::vector<Segment> segmentsOf(const MapDrawing& drawing, Kind kind, bool in_space) {
   std::vector<Segment> segments;
   for (const MapEdge& edge : drawing.edges) {
-    if (edge.kind != kind) continue;
-    const std::vector<Vec3>& points = in_space ? drawing.surface : drawing.points;
-    const std::array<int, 2>& ends = in_space ? edge.vertices : edge.points;
-    segments.push_back({points[ends[0]], points[ends[1]]});
+    if (edge.kind == kind) segments.push_back(segmentOf(drawing, edge, in_space));
   }
   return segments;
+}
+
+std::vector<EdgeGroup> seamsInOneColor(const MapDrawing& drawing) {
+  EdgeGroup group{kSeamColor, {}};
+  for (std::size_t e = 0; e < drawing.edges.size(); ++e) {
+    if (drawing.edges[e].kind == Kind::kSeam) group.edges.push_back(static_cast<int>(e));
+  }
+  return {std::move(group)};
 }
 
 }  // namespace
@@ -113,20 +125,35 @@ MapPanels::MapPanels(const MapPicture& picture)
       target_(picture.map->result.target()),
       view_(picture.view) {
   if (!picture.in_space) drawing_.surface.clear();
-  if (!picture.field.empty()) {
+  const bool checker = picture.draw == PictureDraw::kChecker;
+  if (checker && !picture.field.empty()) {
     field_.emplace(
         extendToVertices(picture.field, 1, picture.map->positions.size() / 3, drawing_.faces));
   }
   for (const int f : drawing_.mapped) image_faces_.push_back(drawing_.corners[f]);
-  if (picture.map->result.has_hyperbolic()) tiling_.emplace(drawing_, *picture.map);
+  const bool hyperbolic = picture.map->result.has_hyperbolic();
+  if (hyperbolic && checker) tiling_.emplace(drawing_, *picture.map);
+  if (!drawing_.surface.empty() && picture.draw == PictureDraw::kDilatation) {
+    heat_.emplace(MapHeat::ofDilatation(drawing_));
+  }
+  if (!drawing_.surface.empty() && picture.draw == PictureDraw::kScale) {
+    heat_.emplace(MapHeat::ofScale(drawing_, hyperbolic));
+  }
+  const bool layout = picture.draw == PictureDraw::kLayout;
+  if (layout) islands_ = findIslands(drawing_);
+  seams_ = layout ? seamChains(drawing_) : seamsInOneColor(drawing_);
   listPanels(picture);
   listCircles(picture);
 }
 
 void MapPanels::listPanels(const MapPicture& picture) {
-  const std::string shown = field_ ? safe(picture.field_name) + ", " + number(field_->low()) +
-                                         " to " + number(field_->high())
-                                   : patternText(target_);
+  std::string shown = patternText(target_);
+  if (field_) {
+    shown =
+        safe(picture.field_name) + ", " + number(field_->low()) + " to " + number(field_->high());
+  }
+  if (heat_) shown = heat_->summary();
+  if (!islands_.empty()) shown = layoutText();
   const std::string quality = qualityText(picture.map->result.certificate());
   if (!drawing_.surface.empty()) panels_.push_back({PanelKind::kSurface, "Surface", shown});
   if (drawing_.on_sphere) {
@@ -143,7 +170,7 @@ void MapPanels::listPanels(const MapPicture& picture) {
     return;
   }
   std::string title = place_.substr(place_.find(' ') + 1);
-  title[0] = static_cast<char>(title[0] - 'a' + 'A');
+  title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
   if (picture.map->result.has_modulus()) {
     title += ", modulus " + number(picture.map->result.modulus());
   }
@@ -151,7 +178,7 @@ void MapPanels::listPanels(const MapPicture& picture) {
 }
 
 void MapPanels::listCircles(const MapPicture& picture) {
-  if (target_ == Options::DISK) circles_.push_back({});
+  if (target_ == Options::DISK || target_ == Options::HYPERBOLIC) circles_.push_back({});
   if (target_ != Options::CIRCLE_DOMAIN) return;
   for (const v1::Circle& circle : picture.map->result.circles()) {
     const bool drawable = std::isfinite(circle.center().re()) &&
@@ -161,13 +188,38 @@ void MapPanels::listCircles(const MapPicture& picture) {
   }
 }
 
+std::string MapPanels::layoutText() const {
+  int islands = 0;
+  for (const int island : islands_) islands = std::max(islands, island + 1);
+  long long seams = 0;
+  for (const EdgeGroup& group : seams_) seams += static_cast<long long>(group.edges.size());
+  // Each edge of the surface is drawn once for every side.
+  if (seams == 0) return counted(islands, "island", "islands") + ", no seams";
+  return counted(islands, "island", "islands") + ", seams along " +
+         counted(seams / 2, "edge", "edges") + ", colours tell which belong together";
+}
+
+std::vector<LineSet> MapPanels::seamLines(bool in_space, double pixel) const {
+  std::vector<LineSet> sets;
+  for (const EdgeGroup& group : seams_) {
+    LineSet lines{{}, group.color, seamWidth() * pixel};
+    for (const int e : group.edges) {
+      lines.segments.push_back(segmentOf(drawing_, drawing_.edges[e], in_space));
+    }
+    sets.push_back(std::move(lines));
+  }
+  return sets;
+}
+
 std::string MapPanels::heading() const {
   return name_ + ", mapped to " + place_;
 }
 
 Color MapPanels::colorAt(int face, const Vec3& weights) const {
   if (!field_ && (tiling_ || !drawing_.isMapped(face))) return kUnmappedColor;
-  if (drawing_.folded[face]) return kFoldedColor;
+  if (drawing_.folded[face]) return foldedColor();
+  if (heat_) return heat_->at(face, weights);
+  if (!islands_.empty()) return islandColor(islands_[face]);
   if (field_) return field_->at(drawing_.faces[face], weights);
   const CornerIndices& corners = drawing_.corners[face];
   Vec3 point{};
@@ -217,7 +269,7 @@ Scene MapPanels::surfaceScene(double pixel) const {
     for (LineSet& lines : tiling_->surfaceLines(pixel)) scene.lines.push_back(std::move(lines));
     return scene;
   }
-  scene.lines.push_back({segmentsOf(drawing_, Kind::kSeam, true), kSeamColor, kSeamWidth * pixel});
+  for (LineSet& lines : seamLines(true, pixel)) scene.lines.push_back(std::move(lines));
   return scene;
 }
 
@@ -240,8 +292,21 @@ Scene MapPanels::imageScene(PanelKind kind, const RenderOptions& look, double pi
   }
   scene.lines.push_back(
       {segmentsOf(drawing_, Kind::kBoundary, false), kBoundaryColor, kBoundaryWidth * pixel});
-  scene.lines.push_back({segmentsOf(drawing_, Kind::kSeam, false), kSeamColor, kSeamWidth * pixel});
+  for (LineSet& lines : seamLines(false, pixel)) scene.lines.push_back(std::move(lines));
   return scene;
+}
+
+SheetPlan planSheet(const MapPanels& map, const PictureSize& size) {
+  constexpr int kLegendWidth = 84;
+  const int count = static_cast<int>(map.panels().size());
+  SheetPlan plan{size, layOutPanels(size, count)};
+  if (map.legend() == nullptr || !plan.layout.words || size.width < 4 * kLegendWidth) return plan;
+  const PictureSize rest{size.width - kLegendWidth, size.height};
+  const PanelLayout beside = layOutPanels(rest, count);
+  if (!beside.words) return plan;
+  const int rows = (count + beside.columns - 1) / beside.columns;
+  return {rest, beside, kLegendWidth - kSheetMargin,
+          rows * (beside.height + kSheetWords) - kSheetWords};
 }
 
 }  // namespace moduli::cli

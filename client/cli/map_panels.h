@@ -6,9 +6,11 @@
 
 #include "client/cli/disk_tiling.h"
 #include "client/cli/map_drawing.h"
+#include "client/cli/map_heat.h"
 #include "client/cli/map_pattern.h"
 #include "client/cli/map_picture.h"
 #include "client/cli/panel_sheet.h"
+#include "client/cli/seam_chains.h"
 #include "core/picture/render.h"
 
 /// The parts of a map's picture, whatever file they go to.
@@ -49,7 +51,15 @@ class MapPanels {
   std::string heading() const;
 
   const Pattern& pattern() const { return pattern_; }
-  bool hasField() const { return field_.has_value(); }
+  /// False where faces have colours of their own instead of the pattern.
+  bool hasPattern() const { return !field_ && !heat_ && islands_.empty(); }
+  /// Of the colours, where they need one.
+  const Legend* legend() const { return heat_ ? &heat_->legend() : nullptr; }
+  /// Seams by their colours.
+  const std::vector<EdgeGroup>& seams() const { return seams_; }
+  /// Wider where they are what is shown.
+  double seamWidth() const { return islands_.empty() ? kSeamWidth : 2.2; }
+  Color foldedColor() const { return heat_ ? kFoldedInHeat : kFoldedColor; }
   /// The colour of a point of a face.
   Color colorAt(int face, const Vec3& weights) const;
 
@@ -70,12 +80,17 @@ class MapPanels {
  private:
   void listPanels(const MapPicture& picture);
   void listCircles(const MapPicture& picture);
+  std::string layoutText() const;
+  std::vector<LineSet> seamLines(bool in_space, double pixel) const;
   Scene imageScene(PanelKind kind, const RenderOptions& look, double pixel) const;
   Scene surfaceScene(double pixel) const;
 
   MapDrawing drawing_;
   Pattern pattern_;
   std::optional<FieldColors> field_;
+  std::optional<MapHeat> heat_;
+  std::vector<int> islands_;  ///< Per face, where islands are shown.
+  std::vector<EdgeGroup> seams_;
   std::optional<DiskTiling> tiling_;        ///< Of a map to the Poincaré disk.
   std::vector<CornerIndices> image_faces_;  ///< The corners of `mapped`.
   std::vector<Panel> panels_;
@@ -84,5 +99,15 @@ class MapPanels {
   v1::ParameterizationOptions::Target target_;
   PictureView view_;
 };
+
+/// Where the parts of a map's picture go: panels at the left, a legend at the right of them.
+struct SheetPlan {
+  PictureSize panels;  ///< What is left for them.
+  PanelLayout layout;
+  int legend_width = 0, legend_height = 0;  ///< 0: there is none. It begins below the heading.
+};
+
+/// A legend is left out where there are no words, and where it would take a quarter of the width.
+SheetPlan planSheet(const MapPanels& map, const PictureSize& size);
 
 }  // namespace moduli::cli

@@ -3,20 +3,19 @@
 #include <cctype>
 #include <charconv>
 #include <complex>
+#include <iterator>
 #include <optional>
 #include <vector>
 
 #include "client/cli/command.h"
-#include "client/cli/file_writer.h"
-#include "client/cli/gifti_output.h"
 #include "client/cli/mesh_argument.h"
+#include "client/cli/parameterize_files.h"
 #include "client/cli/parameterize_picture.h"
 #include "client/cli/prepare_arguments.h"
 #include "client/cli/registration.h"
 #include "client/cli/report.h"
 #include "client/cli/session.h"
 #include "client/cli/side_file.h"
-#include "client/cli/textured_obj.h"
 
 /// parameterize.
 namespace moduli::cli {
@@ -167,65 +166,6 @@ Result<Options> optionsOf(const Arguments& arguments) {
   return options;
 }
 
-/// The files that a run writes.
-class Outputs {
- public:
-  explicit Outputs(const Arguments& arguments)
-      : output_(arguments.text("output")),
-        carried_(arguments.text("carried")),
-        carried_name_(arguments.text("reference-field", "area distortion")),
-        output_writer_(output_, true),
-        carried_writer_(carried_, true),
-        picture_writer_(arguments.text("picture"), true),
-        arguments_(arguments) {
-    carried_name_.erase(0, carried_name_.rfind('/') + 1);
-  }
-
-  bool wanted() const { return !output_.empty() || !carried_.empty() || draws(); }
-
-  /// Before the work, so that a place where nothing can be written is told in time.
-  Status open() {
-    if (!output_.empty()) RETURN_IF_ERROR(output_writer_.open());
-    if (!carried_.empty()) RETURN_IF_ERROR(carried_writer_.open());
-    if (draws()) RETURN_IF_ERROR(picture_writer_.open());
-    return {};
-  }
-
-  Status write(const ParameterizedMesh& mesh, const MeshArgument& input, Client& client) {
-    GiftiTags tags;
-    if (isGiftiFileName(output_) || isGiftiFileName(carried_)) {
-      ASSIGN_OR_RETURN(const std::string bytes, input.content(client));
-      tags = tagsOf(bytes, input.name());
-    }
-    if (!carried_.empty()) {
-      ASSIGN_OR_RETURN(const std::string bytes,
-                       valuesFile(mesh.carried, carried_name_, tags, carried_));
-      RETURN_IF_ERROR(carried_writer_.write(bytes));
-    }
-    if (isGiftiFileName(output_)) {
-      ASSIGN_OR_RETURN(const std::string bytes, sphereGifti(mesh, std::move(tags), output_));
-      RETURN_IF_ERROR(output_writer_.write(bytes));
-    } else if (!output_.empty()) {
-      RETURN_IF_ERROR(writeTexturedObj(
-          mesh, [this](std::string_view text) { return output_writer_.write(text); }));
-    }
-    if (draws()) {
-      ASSIGN_OR_RETURN(const std::string bytes, pictureOf(client, arguments_, input, mesh));
-      RETURN_IF_ERROR(picture_writer_.write(bytes));
-      RETURN_IF_ERROR(picture_writer_.commit());
-    }
-    if (!carried_.empty()) RETURN_IF_ERROR(carried_writer_.commit());
-    return output_.empty() ? Status() : output_writer_.commit();
-  }
-
- private:
-  bool draws() const { return arguments_.has("picture"); }
-
-  std::string output_, carried_, carried_name_;
-  FileWriter output_writer_, carried_writer_, picture_writer_;
-  const Arguments& arguments_;
-};
-
 std::string writtenLine(const std::string& path, const ParameterizedMesh& mesh) {
   const auto count = [](std::size_t numbers, std::size_t columns) {
     return static_cast<long long>(numbers / columns);
@@ -239,7 +179,7 @@ Status runParameterize(Session& session, const Arguments& arguments) {
   v1::ParameterizeRequest request;
   ASSIGN_OR_RETURN(*request.mutable_options(), optionsOf(arguments));
   *request.mutable_prepare() = prepareOf(arguments);
-  Outputs outputs(arguments);
+  ParameterizeFiles outputs(arguments);
   request.set_omit_arrays(!outputs.wanted());
   ASSIGN_OR_RETURN(const RegistrationFiles registration,
                    RegistrationFiles::open(session, arguments));
@@ -296,20 +236,7 @@ std::optional<std::string> checkParameterize(const Arguments& arguments) {
   }
   if (const auto wrong = checkPicture(arguments)) return wrong;
   if (auto complaint = checkRegistrationArguments(arguments)) return complaint;
-  if (!arguments.has("output")) return std::nullopt;
-  const std::string output = arguments.text("output");
-  const std::size_t dot = output.rfind('.');
-  const std::string extension = dot == std::string::npos ? "" : spelled(output.substr(dot));
-  if (extension == ".obj") return std::nullopt;
-  if (isGiftiFileName(output)) {
-    if (arguments.text("to") == "sphere") return std::nullopt;
-    return "GIFTI holds no texture points: .gii is for --to sphere, --output must end in .obj, not "
-           "'" +
-           output + "'";
-  }
-  return "the result is written as OBJ, which holds the map as texture points: --output must end "
-         "in .obj (with --to sphere also .gii or .gii.gz), not '" +
-         output + "'";
+  return checkParameterizeFiles(arguments);
 }
 
 std::vector<OptionSpec> parameterizeOptions() {
@@ -319,12 +246,6 @@ std::vector<OptionSpec> parameterizeOptions() {
        .help = "Where to",
        .choices = {"sphere", "disk", "circle-domain", "rectangle", "flat", "hyperbolic"},
        .required = true},
-      {.names = "-o,--output",
-       .value = "OUT.obj",
-       .help = "Write the surface with its map; without it the certificate is printed alone. With "
-               "--to sphere also OUT.gii or OUT.gii.gz: a GIFTI surface of radius 1 with the tags "
-               "of a GIFTI input",
-       .completion = Completion::kFile},
       {.names = "--method",
        .value = "METHOD",
        .help = "How maps to the sphere and to disks are found (auto): 'robust' flattens with flips "
@@ -363,6 +284,9 @@ std::vector<OptionSpec> parameterizeOptions() {
        .help = "How the metric is found (newton)",
        .choices = {"newton", "flow"}},
       initialDelaunayOption()};
+  std::vector<OptionSpec> files = parameterizeFileOptions();
+  options.insert(options.begin() + 1, std::move_iterator(files.begin()),
+                 std::move_iterator(files.end()));
   for (OptionSpec& option : pictureOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : registrationOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
@@ -411,6 +335,7 @@ std::vector<CommandSpec> parameterizeCommands() {
        .examples = "moduli parameterize bunny.obj --to sphere -o sphere.obj --picture sphere.png\n"
                    "moduli parameterize lh.pial --to sphere --reference rh.pial --mirror --field "
                    "lh.sulc --reference-field rh.sulc -o lh.sphere.gii\n"
+                   "moduli parameterize bunny.obj --to flat --cones cones.txt -o bunny.glb\n"
                    "moduli parameterize face.obj --to disk --mobius 1,0.3i,-0.3i,1 -o disk.obj\n"
                    "moduli parameterize face.obj --to rectangle --corners 0,40,80,120 --json\n"
                    "moduli parameterize plate.obj --to circle-domain -o circles.obj\n"

@@ -1,5 +1,6 @@
 #include "server/service/parameterizing.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string>
@@ -9,6 +10,7 @@
 #include "core/parameterize/disk.h"
 #include "core/parameterize/flat.h"
 #include "core/parameterize/hyperbolic.h"
+#include "core/parameterize/layout_measures.h"
 #include "core/parameterize/rectangle.h"
 #include "core/parameterize/sphere.h"
 #include "server/rpc/convert.h"
@@ -115,6 +117,29 @@ Result<Parameterization> mapSurface(Context& context, const Options& message,
   return parameterizeFlat(context, surface, lengths, options);
 }
 
+// Nothing where cut faces of a gluing make no list of faces.
+std::optional<v1::LayoutMeasures> describeLayout(const Subject& subject,
+                                                 const Parameterization& map) {
+  std::vector<bool> fills;
+  std::size_t faces = static_cast<std::size_t>(subject.surface().faceCount());
+  if (subject.prepared) {
+    for (const Index face : subject.prepared->input_face) fills.push_back(face == kNone);
+    faces = subject.soup.faces.size();
+  }
+  const Result<LayoutMeasures> measures =
+      measureLayout(subject.surface(), subject.lengths, map, fills);
+  if (!measures.ok()) return std::nullopt;
+  // Pieces of faces count each, in what is sent too.
+  const auto given =
+      fills.empty() ? subject.surface().faceCount() : std::count(fills.begin(), fills.end(), false);
+  v1::LayoutMeasures message;
+  message.set_faces(static_cast<int>(faces) + measures->mapped_faces - static_cast<int>(given));
+  message.set_mapped_faces(measures->mapped_faces);
+  message.set_islands(measures->islands);
+  message.set_seam_length(measures->seam_length);
+  return message;
+}
+
 v1::Parameterization describe(const Options& options, const Connectivity& surface,
                               const Parameterization& map) {
   v1::Parameterization result;
@@ -195,6 +220,9 @@ Result<ParameterizedSurface> parameterizeMesh(Context& context, const Backend& b
   warnings.insert(warnings.begin(), subject.warnings.begin(), subject.warnings.end());
   ParameterizedSurface surface;
   surface.result = describe(request.options(), subject.surface(), map);
+  if (auto layout = describeLayout(subject, map)) {
+    *surface.result.mutable_layout() = *std::move(layout);
+  }
   surface.result.mutable_timing()->insert(context.timing().begin(), context.timing().end());
   if (reference) *surface.result.mutable_registration() = registered.result;
   if (request.omit_arrays()) return surface;
