@@ -4,7 +4,9 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include "client/cli/output.h"
@@ -36,6 +38,14 @@ std::string placeName(const v1::Parameterization& result) {
       return result.circles_size() == 2 ? "an annulus" : "a circle domain";
     case Options::HYPERBOLIC:
       return "the Poincaré disk";
+    case Options::TORUS:
+      return "a flat torus";
+    case Options::POLYCUBE:
+      return "a polycube";
+    case Options::ATLAS:
+      return "an affine atlas";
+    case Options::QUADS:
+      return "unit squares";
     default:
       return "the plane";
   }
@@ -131,6 +141,19 @@ MapPanels::MapPanels(const MapPicture& picture)
         extendToVertices(picture.field, 1, picture.map->positions.size() / 3, drawing_.faces));
   }
   for (const int f : drawing_.mapped) image_faces_.push_back(drawing_.corners[f]);
+  if (picture.map->result.has_torus() && hasPattern() && picture.draw == PictureDraw::kChecker) {
+    torus_.emplace(drawing_, picture.map->result.torus());
+    if (torus_->empty()) torus_.reset();
+  }
+  if (torus_) {
+    tiled_points_ = drawing_.points;
+    const int first = static_cast<int>(tiled_points_.size());
+    tiled_points_.insert(tiled_points_.end(), torus_->points().begin(), torus_->points().end());
+    for (const TorusTiling::Piece& piece : torus_->pieces()) {
+      image_faces_.push_back(
+          {first + piece.corners[0], first + piece.corners[1], first + piece.corners[2]});
+    }
+  }
   const bool hyperbolic = picture.map->result.has_hyperbolic();
   if (hyperbolic && checker) tiling_.emplace(drawing_, *picture.map);
   if (!drawing_.surface.empty() && picture.draw == PictureDraw::kDilatation) {
@@ -142,8 +165,57 @@ MapPanels::MapPanels(const MapPicture& picture)
   const bool layout = picture.draw == PictureDraw::kLayout;
   if (layout) islands_ = findIslands(drawing_);
   seams_ = layout ? seamChains(drawing_) : seamsInOneColor(drawing_);
+  listCones(picture);
   listPanels(picture);
   listCircles(picture);
+}
+
+// An intrinsic triangulation has its vertices once for every point: where they are is not known.
+void MapPanels::listCones(const MapPicture& picture) {
+  if (!picture.in_space || drawing_.on_sphere) return;
+  std::map<int, Color> colors;
+  for (const v1::Cone& cone : picture.map->result.cone_metric().cones()) {
+    if (cone.curvature() == 0) continue;
+    colors[cone.vertex()] = cone.curvature() > 0 ? kConvexColor : kConcaveColor;
+  }
+  if (colors.empty()) return;
+  std::set<int> seen;
+  for (const int f : drawing_.mapped) {
+    for (int c = 0; c < 3; ++c) {
+      const auto found = colors.find(drawing_.faces[f][c]);
+      if (found == colors.end() || !seen.insert(drawing_.corners[f][c]).second) continue;
+      cones_.push_back({found->first, drawing_.corners[f][c], found->second});
+    }
+  }
+}
+
+std::vector<LineSet> MapPanels::coneDots(bool in_space, double pixel) const {
+  std::vector<LineSet> sets = {{{}, kConvexColor, kConeWidth * pixel},
+                               {{}, kConcaveColor, kConeWidth * pixel}};
+  for (const DrawnCone& cone : cones_) {
+    const Vec3& p = in_space ? drawing_.surface[cone.vertex] : drawing_.points[cone.point];
+    sets[cone.color == kConvexColor ? 0 : 1].segments.push_back({p, p});
+  }
+  std::erase_if(sets, [](const LineSet& set) { return set.segments.empty(); });
+  return sets;
+}
+
+void MapPanels::addCopies(Scene& scene, double pixel) const {
+  scene.points = tiled_points_;
+  const std::size_t own = drawing_.mapped.size(), first = drawing_.points.size();
+  scene.paint = [this, own, first](int face, const Vec3& weights) {
+    const auto n = static_cast<std::size_t>(face);
+    if (n < own) return colorAt(drawing_.mapped[n], weights);
+    Vec3 point{};
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& corner = tiled_points_[static_cast<std::size_t>(image_faces_[n][k])];
+      for (int axis = 0; axis < 2; ++axis) point[axis] += weights[k] * corner[axis];
+    }
+    const Vec3& shift = torus_->shifts()[static_cast<std::size_t>(torus_->pieces()[n - own].shift)];
+    for (int axis = 0; axis < 2; ++axis) point[axis] -= shift[axis];
+    return paleColor(pattern_.at(point));
+  };
+  scene.lines.push_back({torus_->outlines(), kCircleColor, kCircleWidth * pixel});
 }
 
 void MapPanels::listPanels(const MapPicture& picture) {
@@ -171,6 +243,15 @@ void MapPanels::listPanels(const MapPicture& picture) {
   }
   std::string title = place_.substr(place_.find(' ') + 1);
   title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
+  if (torus_) {
+    const v1::Complex& tau = picture.map->result.torus().tau();
+    title += " with copies, tau " + number(tau.re()) + (tau.im() < 0 ? " - " : " + ") +
+             number(std::abs(tau.im())) + " i";
+  }
+  if (!cones_.empty()) {
+    const int count = picture.map->result.cone_metric().cones_size();
+    title += ", " + counted(count, "cone", "cones");
+  }
   if (picture.map->result.has_modulus()) {
     title += ", modulus " + number(picture.map->result.modulus());
   }
@@ -270,6 +351,7 @@ Scene MapPanels::surfaceScene(double pixel) const {
     return scene;
   }
   for (LineSet& lines : seamLines(true, pixel)) scene.lines.push_back(std::move(lines));
+  for (LineSet& lines : coneDots(true, pixel)) scene.lines.push_back(std::move(lines));
   return scene;
 }
 
@@ -280,6 +362,7 @@ Scene MapPanels::imageScene(PanelKind kind, const RenderOptions& look, double pi
   scene.paint = [this](int face, const Vec3& weights) {
     return colorAt(drawing_.mapped[face], weights);
   };
+  if (torus_) addCopies(scene, pixel);
   if (kind != PanelKind::kPlane) {
     scene.lines.push_back({outline({}, true), kCircleColor, kCircleWidth * pixel});
   }
@@ -293,6 +376,15 @@ Scene MapPanels::imageScene(PanelKind kind, const RenderOptions& look, double pi
   scene.lines.push_back(
       {segmentsOf(drawing_, Kind::kBoundary, false), kBoundaryColor, kBoundaryWidth * pixel});
   for (LineSet& lines : seamLines(false, pixel)) scene.lines.push_back(std::move(lines));
+  if (torus_) {
+    LineSet cell{{}, kBoundaryColor, kBoundaryWidth * pixel};
+    const std::vector<Vec3>& corners = torus_->parallelogram();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      cell.segments.push_back({corners[i], corners[(i + 1) % corners.size()]});
+    }
+    scene.lines.push_back(std::move(cell));
+  }
+  for (LineSet& lines : coneDots(false, pixel)) scene.lines.push_back(std::move(lines));
   return scene;
 }
 

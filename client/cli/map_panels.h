@@ -11,6 +11,7 @@
 #include "client/cli/map_picture.h"
 #include "client/cli/panel_sheet.h"
 #include "client/cli/seam_chains.h"
+#include "client/cli/torus_tiling.h"
 #include "core/picture/render.h"
 
 /// The parts of a map's picture, whatever file they go to.
@@ -36,6 +37,10 @@ struct Panel {
   std::string title, subtitle;
 };
 
+/// Cones of positive and of negative curvature.
+inline constexpr Color kConvexColor = {168, 28, 116}, kConcaveColor = {0, 122, 140};
+inline constexpr double kConeWidth = 8;
+
 struct DrawnCircle {
   double x = 0, y = 0, radius = 1;
 };
@@ -60,6 +65,14 @@ class MapPanels {
   /// Wider where they are what is shown.
   double seamWidth() const { return islands_.empty() ? kSeamWidth : 2.2; }
   Color foldedColor() const { return heat_ ? kFoldedInHeat : kFoldedColor; }
+  /// Copies around a torus; null where none are shown.
+  const TorusTiling* torus() const { return torus_ ? &*torus_ : nullptr; }
+  /// The images of cones, one for every corner of the image there.
+  struct DrawnCone {
+    int vertex = 0, point = 0;
+    Color color;
+  };
+  const std::vector<DrawnCone>& cones() const { return cones_; }
   /// The colour of a point of a face.
   Color colorAt(int face, const Vec3& weights) const;
 
@@ -80,6 +93,9 @@ class MapPanels {
  private:
   void listPanels(const MapPicture& picture);
   void listCircles(const MapPicture& picture);
+  void listCones(const MapPicture& picture);
+  void addCopies(Scene& scene, double pixel) const;
+  std::vector<LineSet> coneDots(bool in_space, double pixel) const;
   std::string layoutText() const;
   std::vector<LineSet> seamLines(bool in_space, double pixel) const;
   Scene imageScene(PanelKind kind, const RenderOptions& look, double pixel) const;
@@ -91,8 +107,13 @@ class MapPanels {
   std::optional<MapHeat> heat_;
   std::vector<int> islands_;  ///< Per face, where islands are shown.
   std::vector<EdgeGroup> seams_;
-  std::optional<DiskTiling> tiling_;        ///< Of a map to the Poincaré disk.
-  std::vector<CornerIndices> image_faces_;  ///< The corners of `mapped`.
+  std::optional<DiskTiling> tiling_;  ///< Of a map to the Poincaré disk.
+  std::optional<TorusTiling> torus_;
+  /// The corners of `mapped`; with the pieces of copies behind them, whose points follow the
+  /// image's.
+  std::vector<CornerIndices> image_faces_;
+  std::vector<Vec3> tiled_points_;
+  std::vector<DrawnCone> cones_;
   std::vector<Panel> panels_;
   std::vector<DrawnCircle> circles_;
   std::string name_, place_;

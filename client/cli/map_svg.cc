@@ -63,6 +63,7 @@ class ImageOutlines {
 
   void draw() {
     if (!projection_.valid()) return;
+    if (map_.torus() != nullptr) addCopies(*map_.torus());
     if (map_.hasPattern()) {
       addPattern();
     } else {
@@ -75,6 +76,14 @@ class ImageOutlines {
       svg_.circle(center[0], center[1], circle.radius * projection_.scale(), circleStyle());
     }
     addEdges();
+    if (map_.torus() != nullptr) {
+      svg_.path(pathOf(map_.torus()->parallelogram()),
+                {.stroke = kBoundaryColor, .stroke_width = kBoundaryWidth});
+    }
+    for (const MapPanels::DrawnCone& cone : map_.cones()) {
+      const Vec3 place = projected(drawing_.points[cone.point]);
+      svg_.circle(place[0], place[1], kConeWidth / 2, {.fill = cone.color});
+    }
   }
 
  private:
@@ -118,9 +127,30 @@ class ImageOutlines {
     svg_.endClip();
   }
 
+  // Within the window: the pattern as the image has it, moved, and the outline of each copy.
+  void addCopies(const TorusTiling& torus) {
+    const auto& [low, high] = torus.window();
+    svg_.beginClip(pathOf({low, {high[0], low[1], 0}, high, {low[0], high[1], 0}}));
+    const std::vector<Pattern::Cell> cells = map_.pattern().darkCells();
+    for (const Vec3& shift : torus.shifts()) {
+      const SvgPath region = imageRegion(shift);
+      if (region.empty()) continue;
+      svg_.beginClip(region);
+      svg_.path(region, {.fill = paleColor(kPatternLight)});
+      for (const Pattern::Cell& cell : cells) {
+        std::vector<Vec3> outline = cell.outline;
+        for (Vec3& point : outline) point = point + shift;
+        svg_.path(pathOf(outline), {.fill = paleColor(cell.color)});
+      }
+      svg_.endClip();
+      svg_.path(region, {.stroke = kCircleColor, .stroke_width = kCircleWidth});
+    }
+    svg_.endClip();
+  }
+
   // What the faces cover: loops of the edges that have a face on one side. They balance at every
   // point, so that a walk along them ends where it began.
-  SvgPath imageRegion() const {
+  SvgPath imageRegion(const Vec3& shift = {}) const {
     std::unordered_map<int, std::vector<int>> next;
     std::vector<int> starts;
     for (const MapEdge& edge : drawing_.edges) {
@@ -132,7 +162,7 @@ class ImageOutlines {
     for (const int start : starts) {
       std::vector<Vec3> loop;
       for (int at = start; !next[at].empty();) {
-        loop.push_back(drawing_.points[at]);
+        loop.push_back(drawing_.points[at] + shift);
         const int to = next[at].back();
         next[at].pop_back();
         at = to;

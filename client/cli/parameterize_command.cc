@@ -11,6 +11,7 @@
 #include "client/cli/mesh_argument.h"
 #include "client/cli/parameterize_files.h"
 #include "client/cli/parameterize_picture.h"
+#include "client/cli/plane_options.h"
 #include "client/cli/prepare_arguments.h"
 #include "client/cli/registration.h"
 #include "client/cli/report.h"
@@ -148,8 +149,9 @@ Result<Options> optionsOf(const Arguments& arguments) {
   if (arguments.has("initial-delaunay")) {
     options.set_initial_delaunay(arguments.text("initial-delaunay") == "on");
   }
+  setPlaneOptions(arguments, options);
   std::vector<ConeLine> cones;
-  if (arguments.has("cones")) {
+  if (arguments.has("cones") && !choosesCones(arguments)) {
     RETURN_IF_ERROR(readInto(arguments.text("cones"), "check the path given to --cones", cones));
   }
   if (arguments.has("boundary") && options.boundary() == Options::BOUNDARY_UNSPECIFIED) {
@@ -214,6 +216,11 @@ Status runParameterize(Session& session, const Arguments& arguments) {
     written += safe(arguments.text("carried")) + ": " +
                counted(static_cast<long long>(result->carried.size()), "value", "values") + "\n";
   }
+  if (arguments.has("atlas")) {
+    written += safe(arguments.text("atlas")) + ": " +
+               counted(result->result.atlas().charts(), "chart", "charts") + ", " +
+               counted(result->result.atlas().transitions(), "transition", "transitions") + "\n";
+  }
   return session.print(parameterizationReport(mesh.name(), result->result) + written);
 }
 
@@ -234,6 +241,7 @@ std::optional<std::string> checkParameterize(const Arguments& arguments) {
     return rectangle ? "--to rectangle needs its four corners: --corners a,b,c,d"
                      : "--corners are those of --to rectangle";
   }
+  if (const auto wrong = checkPlaneOptions(arguments)) return wrong;
   if (const auto wrong = checkPicture(arguments)) return wrong;
   if (auto complaint = checkRegistrationArguments(arguments)) return complaint;
   return checkParameterizeFiles(arguments);
@@ -244,7 +252,8 @@ std::vector<OptionSpec> parameterizeOptions() {
       {.names = "--to",
        .value = "TARGET",
        .help = "Where to",
-       .choices = {"sphere", "disk", "circle-domain", "rectangle", "flat", "hyperbolic"},
+       .choices = {"sphere", "disk", "circle-domain", "rectangle", "torus", "flat", "polycube",
+                   "atlas", "quads", "hyperbolic"},
        .required = true},
       {.names = "--method",
        .value = "METHOD",
@@ -265,8 +274,10 @@ std::vector<OptionSpec> parameterizeOptions() {
        .help = "Cut faces where no map of the given ones is free of folds (auto), or fail there",
        .choices = {"auto", "off"}},
       {.names = "--cones",
-       .value = "FILE",
-       .help = "Lines 'vertex curvature' (radians): where the plane has cones",
+       .value = "FILE|auto",
+       .help = "With --to flat: lines 'vertex curvature' (radians) where the plane has cones, or "
+               "'auto': chosen to take stretching out. With --to polycube: its corners, of "
+               "curvature pi/2 or -pi/2; chosen unless given",
        .completion = Completion::kFile},
       {.names = "--boundary",
        .value = "RULE|FILE",
@@ -287,6 +298,7 @@ std::vector<OptionSpec> parameterizeOptions() {
   std::vector<OptionSpec> files = parameterizeFileOptions();
   options.insert(options.begin() + 1, std::move_iterator(files.begin()),
                  std::move_iterator(files.end()));
+  for (OptionSpec& option : planeOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : pictureOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : registrationOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
@@ -308,7 +320,15 @@ std::vector<CommandSpec> parameterizeCommands() {
            "metric that has the same angles, as far as a discrete one can, and is flat but for the "
            "cones that --cones names, cut open through them and laid out at the area of the "
            "surface; on a closed surface the curvatures of the cones must sum to 2 pi times its "
-           "Euler characteristic: 4 pi on a sphere; a torus needs none. --to hyperbolic: a surface "
+           "Euler characteristic: 4 pi on a sphere; a torus needs none. --cones auto chooses them. "
+           "--to torus: a surface with one handle, a fundamental domain of its lattice; copies of "
+           "it "
+           "fill the plane, and the picture shows them. --to polycube: a closed surface, flat but "
+           "for corners of cubes. --to atlas: a closed surface, flat but for extraordinary points, "
+           "with a chart around every other vertex. --to quads: a closed surface with handles, by "
+           "a "
+           "form whose periods are whole: the lines of the unit squares go on across every cut. "
+           "--to hyperbolic: a surface "
            "with more handles or holes than those, cut open, into the Poincaré disk, by the metric "
            "of curvature -1 for which its boundary is geodesic; the picture shows the copies "
            "beside it, and the shortest closed geodesics there and on the surface. OUT.obj keeps "
@@ -339,7 +359,11 @@ std::vector<CommandSpec> parameterizeCommands() {
                    "moduli parameterize face.obj --to disk --mobius 1,0.3i,-0.3i,1 -o disk.obj\n"
                    "moduli parameterize face.obj --to rectangle --corners 0,40,80,120 --json\n"
                    "moduli parameterize plate.obj --to circle-domain -o circles.obj\n"
-                   "moduli parameterize torus.ply --to flat -o flat.obj\n"
+                   "moduli parameterize torus.ply --to torus -o flat.obj --picture tiles.png\n"
+                   "moduli parameterize kitten.obj --to quads --most-squares 4000 -o squares.obj\n"
+                   "moduli parameterize spot.obj --to flat --cones auto --seamless -o uv.obj\n"
+                   "moduli parameterize spot.obj --to polycube --picture cubes.png\n"
+                   "moduli parameterize pretzel.off --to atlas --atlas charts.json\n"
                    "moduli parameterize pretzel.off --to hyperbolic --picture disk.svg\n"
                    "moduli parameterize bunny.obj --to flat --cones cones.txt -o bunny-uv.obj\n"
                    "moduli parameterize face.obj --to flat --boundary circle --json"}};

@@ -65,6 +65,7 @@ ParameterizeFiles::ParameterizeFiles(const Arguments& arguments)
       output_(arguments.text("output")),
       carried_(arguments.text("carried")) {
   if (arguments.has("picture")) picture_file_ = add(arguments.text("picture"));
+  if (arguments.has("atlas")) atlas_file_ = add(arguments.text("atlas"));
   if (!carried_.empty()) carried_file_ = add(carried_);
   if (!output_.empty()) output_file_ = add(output_);
 }
@@ -116,6 +117,7 @@ Status ParameterizeFiles::write(const ParameterizedMesh& mesh, const MeshArgumen
     ASSIGN_OR_RETURN(const std::string bytes, valuesFile(mesh.carried, name, tags, carried_));
     RETURN_IF_ERROR(carried_file_->write(bytes));
   }
+  if (atlas_file_ != nullptr) RETURN_IF_ERROR(atlas_file_->write(mesh.atlas));
   if (output_file_ != nullptr) RETURN_IF_ERROR(writeOutput(mesh, input, client));
   if (picture_file_ != nullptr) {
     ASSIGN_OR_RETURN(const DrawnMap drawn, DrawnMap::open(client, arguments_, input, mesh));

@@ -43,7 +43,8 @@ class ParameterizeFiles {
   const Arguments& arguments_;
   std::string output_, carried_;
   std::vector<std::unique_ptr<FileWriter>> files_;
-  FileWriter *output_file_ = nullptr, *carried_file_ = nullptr, *picture_file_ = nullptr;
+  FileWriter *output_file_ = nullptr, *carried_file_ = nullptr, *picture_file_ = nullptr,
+             *atlas_file_ = nullptr;
 };
 
 }  // namespace moduli::cli

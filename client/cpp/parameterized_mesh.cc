@@ -35,7 +35,8 @@ ArrayAssembler::ArrayAssembler()
                {Chunk::POINTS, 2, Number::kDouble, true},
                {Chunk::CORNERS, 3, Number::kInt32, true},
                {Chunk::CARRIED, 1, Number::kDouble, false},
-               {Chunk::GEODESICS, 7, Number::kDouble, false}}) {}
+               {Chunk::GEODESICS, 7, Number::kDouble, false},
+               {Chunk::ATLAS_JSON, 1, Number::kByte, false}}) {}
 
 Result<ParameterizedMesh> ArrayAssembler::finish() {
   RETURN_IF_ERROR(pieces_.checkComplete());
@@ -65,6 +66,7 @@ Result<ParameterizedMesh> ArrayAssembler::finish() {
   mesh.corners = pieces_.takeIntegers(Chunk::CORNERS);
   mesh.carried = pieces_.takeDoubles(Chunk::CARRIED);
   mesh.geodesics = pieces_.takeDoubles(Chunk::GEODESICS);
+  mesh.atlas = pieces_.takeBytes(Chunk::ATLAS_JSON);
   return mesh;
 }
 

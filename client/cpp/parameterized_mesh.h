@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "client/cpp/array_pieces.h"
@@ -20,6 +21,7 @@ struct ParameterizedMesh {
   std::vector<double> carried;
   /// Seven numbers of every point of the closed geodesics of a hyperbolic domain (ArrayChunk).
   std::vector<double> geodesics;
+  std::string atlas;  ///< An affine atlas as JSON (ArrayChunk); or empty.
 };
 
 /// Puts the arrays of a parameterization together from their chunks, and judges them. Not
@@ -31,9 +33,10 @@ class ArrayAssembler {
   /// As ArrayPieces::take.
   Status take(const v1::ArrayChunk& chunk) { return pieces_.take(chunk); }
 
-  /// The arrays, without their result. Fails with kInternal where one is missing (CARRIED and
-  /// GEODESICS may be) or incomplete, where the shapes do not fit each other, on an index out of
-  /// range, a face that is mapped in part, and a number of the others that is not finite.
+  /// The arrays, without their result. Fails with kInternal where one is missing (CARRIED,
+  /// GEODESICS and ATLAS_JSON may be) or incomplete, where the shapes do not fit each other, on an
+  /// index out of range, a face that is mapped in part, and a number of the others that is not
+  /// finite.
   Result<ParameterizedMesh> finish();
 
  private:

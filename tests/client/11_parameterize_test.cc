@@ -109,7 +109,7 @@ TEST_F(Parameterize, ATorusNeedsNoCones) {
   sample("torus.obj", {"torus", "resolution=20"});
   const Obj out = map("torus.obj");
   EXPECT_THAT(report_->keys(), UnorderedElementsAre("target", "refined", "certificate", "timing",
-                                                    "circles", "layout"));
+                                                    "circles", "layout", "cone_metric"));
   EXPECT_EQ((*report_)["layout"]["faces"].number(), 1600);
   EXPECT_EQ((*report_)["layout"]["mapped_faces"].number(), 1600);
   EXPECT_EQ((*report_)["layout"]["islands"].number(), 1);
