@@ -14,7 +14,7 @@
 
 namespace moduli::cli {
 
-/// -o of `parameterize`, and what belongs to its files.
+/// -o and --texture of `parameterize`, and what belongs to its files.
 std::vector<OptionSpec> parameterizeFileOptions();
 
 /// What is wrong with them, if anything.
@@ -38,13 +38,16 @@ class ParameterizeFiles {
 
  private:
   FileWriter* add(const std::string& path);
+  Status writeTexture(const ParameterizedMesh& mesh);
+  Status writeObj(const ParameterizedMesh& mesh, const MeshArgument& input, Client& client);
+  Status writeGlb(const ParameterizedMesh& mesh, const MeshArgument& input, Client& client);
   Status writeOutput(const ParameterizedMesh& mesh, const MeshArgument& input, Client& client);
 
   const Arguments& arguments_;
   std::string output_, carried_;
   std::vector<std::unique_ptr<FileWriter>> files_;
-  FileWriter *output_file_ = nullptr, *carried_file_ = nullptr, *picture_file_ = nullptr,
-             *atlas_file_ = nullptr;
+  FileWriter *output_file_ = nullptr, *carried_file_ = nullptr, *picture_file_ = nullptr;
+  FileWriter *texture_file_ = nullptr, *materials_file_ = nullptr, *atlas_file_ = nullptr;
 };
 
 }  // namespace moduli::cli

@@ -17,6 +17,9 @@ struct ParameterizedMesh {
   std::vector<std::int32_t> faces;    ///< Three vertices of every face, counted from 0.
   std::vector<double> points;         ///< u v of every point of the plane.
   std::vector<std::int32_t> corners;  ///< Three points of every face; -1 where it is not mapped.
+  /// Where faces were cut, the face of the file that each is (part of), ascending. Empty: each its
+  /// own, or a server that does not tell.
+  std::vector<std::int32_t> parents;
   /// Per vertex of the input the field of the reference; empty where there is none.
   std::vector<double> carried;
   /// Seven numbers of every point of the closed geodesics of a hyperbolic domain (ArrayChunk).
@@ -34,12 +37,14 @@ class ArrayAssembler {
   Status take(const v1::ArrayChunk& chunk) { return pieces_.take(chunk); }
 
   /// The arrays, without their result. Fails with kInternal where one is missing (CARRIED,
-  /// GEODESICS and ATLAS_JSON may be) or incomplete, where the shapes do not fit each other, on an
-  /// index out of range, a face that is mapped in part, and a number of the others that is not
-  /// finite.
+  /// GEODESICS, PARENTS and ATLAS_JSON may be) or incomplete, where the shapes do not fit each
+  /// other, on an index out of range, a face that is mapped in part, and a number of the others
+  /// that is not finite.
   Result<ParameterizedMesh> finish();
 
  private:
+  Status checkParents() const;
+
   ArrayPieces pieces_;
 };
 

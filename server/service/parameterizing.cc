@@ -175,6 +175,9 @@ class Parts {
                                      viewOf(v1::ArrayChunk::FACES, 3, surface.faces),
                                      viewOf(v1::ArrayChunk::POINTS, 2, surface.points),
                                      viewOf(v1::ArrayChunk::CORNERS, 3, surface.corners)};
+    if (!surface.parents.empty()) {
+      arrays.push_back(viewOf(v1::ArrayChunk::PARENTS, 1, surface.parents));
+    }
     if (!surface.carried.empty()) {
       arrays.push_back(viewOf(v1::ArrayChunk::CARRIED, 1, surface.carried));
     }
