@@ -41,11 +41,11 @@ std::string placeName(const v1::Parameterization& result) {
     case Options::TORUS:
       return "a flat torus";
     case Options::POLYCUBE:
-      return "a polycube";
+      return "a PolyCube";
     case Options::ATLAS:
       return "an affine atlas";
     case Options::QUADS:
-      return "unit squares";
+      return "the unit squares";
     default:
       return "the plane";
   }
@@ -178,6 +178,9 @@ void MapPanels::listCones(const MapPicture& picture) {
     if (cone.curvature() == 0) continue;
     colors[cone.vertex()] = cone.curvature() > 0 ? kConvexColor : kConcaveColor;
   }
+  for (const v1::FormZero& zero : picture.map->result.quads().zeros()) {
+    colors[zero.vertex()] = zero.index() > 0 ? kConvexColor : kConcaveColor;
+  }
   if (colors.empty()) return;
   std::set<int> seen;
   for (const int f : drawing_.mapped) {
@@ -250,7 +253,12 @@ void MapPanels::listPanels(const MapPicture& picture) {
   }
   if (!cones_.empty()) {
     const int count = picture.map->result.cone_metric().cones_size();
-    title += ", " + counted(count, "cone", "cones");
+    const int zeros = picture.map->result.quads().zeros_size();
+    title += ", " + (target_ == Options::POLYCUBE ? counted(count, "corner", "corners")
+                     : target_ == Options::ATLAS
+                         ? counted(count, "extraordinary point", "extraordinary points")
+                     : target_ == Options::QUADS ? counted(zeros, "zero", "zeros")
+                                                 : counted(count, "cone", "cones"));
   }
   if (picture.map->result.has_modulus()) {
     title += ", modulus " + number(picture.map->result.modulus());

@@ -37,7 +37,7 @@ struct Panel {
   std::string title, subtitle;
 };
 
-/// Cones of positive and of negative curvature.
+/// Cones of positive and of negative curvature; zeros of forms by the sign of their index.
 inline constexpr Color kConvexColor = {168, 28, 116}, kConcaveColor = {0, 122, 140};
 inline constexpr double kConeWidth = 8;
 
@@ -67,7 +67,7 @@ class MapPanels {
   Color foldedColor() const { return heat_ ? kFoldedInHeat : kFoldedColor; }
   /// Copies around a torus; null where none are shown.
   const TorusTiling* torus() const { return torus_ ? &*torus_ : nullptr; }
-  /// The images of cones, one for every corner of the image there.
+  /// The images of cones and zeros, one for every corner of the image there.
   struct DrawnCone {
     int vertex = 0, point = 0;
     Color color;

@@ -42,6 +42,10 @@ struct MapPicture {
 /// Of a map to the Poincaré disk, with kChecker, the surface bears its cuts and closed geodesics;
 /// the disk shows the image's copies, the axes of generators and the geodesics (disk_tiling.h).
 ///
+/// A torus stands among parts of its copies, paler, with the parallelogram of its generators. Cones
+/// are dots, magenta where their curvature is positive, teal where it is not; so are zeros of
+/// forms.
+///
 /// SVG: the image is drawn in outlines, of a sphere what is not hidden; the surface is an embedded
 /// raster, of twice the size up to 2048 pixels a side. The image is a raster too where outlines
 /// would take too much: colours of numbers or islands on more than 30000 faces, cuts and boundaries

@@ -239,8 +239,9 @@ TEST_F(PlaneTargets, AnAtlasHasAChartAroundEveryVertexButOne) {
 
   // A transition carries the far end of its edge to the middle of that one's chart.
   std::map<int, std::map<int, Complex>> charts;
-  for (int n = 0; n < atlas["charts"].size(); ++n) {
-    const Json chart = atlas["charts"].at(n);
+  const Json listed = atlas["charts"], transitions = atlas["transitions"];
+  for (int n = 0; n < listed.size(); ++n) {
+    const Json chart = listed.at(n);
     for (int k = 0; k < chart["neighbours"].size(); ++k) {
       const Json point = chart["points"].at(k);
       charts[static_cast<int>(chart["vertex"].number())][static_cast<int>(
@@ -252,8 +253,8 @@ TEST_F(PlaneTargets, AnAtlasHasAChartAroundEveryVertexButOne) {
     if (!charts.contains(face[0])) continue;
     EXPECT_TRUE(charts[face[0]].contains(face[1]) && charts[face[0]].contains(face[2]));
   }
-  for (int n = 0; n < atlas["transitions"].size(); n += 97) {
-    const Json t = atlas["transitions"].at(n);
+  for (int n = 0; n < transitions.size(); n += 97) {
+    const Json t = transitions.at(n);
     const int from = static_cast<int>(t["from"].number()), to = static_cast<int>(t["to"].number());
     const Complex shift(t["translation"].at(0).number(), t["translation"].at(1).number());
     const Complex turn = std::polar(1.0, t["angle"].number());
@@ -279,12 +280,14 @@ TEST_F(PlaneTargets, AnAtlasIsInTheNumbersOfTheFile) {
   const Json atlas = Json::parse(read("charts.json"));
   EXPECT_EQ(atlas["vertices"].number(), static_cast<double>(torus.positions.size()) + 4);
   EXPECT_EQ(atlas["charts"].size(), static_cast<int>(torus.positions.size()));
-  for (int n = 0; n < atlas["charts"].size(); ++n) {
-    EXPECT_GE(atlas["charts"].at(n)["vertex"].number(), 4);
+  const Json charts = atlas["charts"], faces = atlas["faces"];
+  const Obj image = out();
+  for (int n = 0; n < charts.size(); ++n) {
+    EXPECT_GE(charts.at(n)["vertex"].number(), 4);
   }
-  for (int n = 0; n < atlas["faces"].size(); ++n) {
+  for (int n = 0; n < faces.size(); ++n) {
     for (int c = 0; c < 3; ++c) {
-      EXPECT_EQ(atlas["faces"].at(n).at(c).number(), out().faces[n + 1][c]) << n;
+      EXPECT_EQ(faces.at(n).at(c).number(), image.faces[n + 1][c]) << n;
     }
   }
 }

@@ -70,7 +70,8 @@ sample tori/diplotorus diplotorus n=6 phi=0.03 h=0.6 s=-2 s2=0 resolution=6
 for g in 2 3; do sample "pretzels/genus-$g" genus genus=$g resolution=8; done
 sample pretzels/genus-2-remeshed genus genus=2 resolution=8 seed=5
 for R in 2 5; do sample "plates/ring-$R" annulus r=1 R=$R resolution=16; done
-sample plates/cap disk resolution=16 seed=3
+sample plates/square plate holes=0 resolution=8
+sample plates/disk disk resolution=16
 for step in 3 4 6; do sample "plates/two-holes-$step" plate holes=2 hole_step=$step resolution=6; done
 ls "$out"/meshes/*
 
@@ -107,11 +108,11 @@ show "10. To the sphere" map-sphere.png \
   "A closed surface without handles. Folded faces would be red; there are none." \
   parameterize "$out/meshes/spheres/ellipsoid.ply" --to sphere -o "$out/sphere.obj"
 show "11. To the disk" map-unit-disk.png \
-  "A surface with one boundary loop, its centre in the middle." \
-  parameterize "$out/meshes/plates/cap.ply" --to disk -o "$out/unit-disk.obj"
+  "A surface with one boundary loop: a square, its centre in the middle." \
+  parameterize "$out/meshes/plates/square.ply" --to disk -o "$out/unit-disk.obj"
 show "12. To a rectangle" map-rectangle.png \
-  "The same with four corners: the width at height 1 is its modulus." \
-  parameterize "$out/meshes/plates/cap.ply" --to rectangle --corners "$corners" -o "$out/rectangle.obj"
+  "A disk with four corners, a quarter turn apart: the width at height 1 is its modulus, 1." \
+  parameterize "$out/meshes/plates/disk.ply" --to rectangle --corners 721,745,769,793 -o "$out/rectangle.obj"
 show "13. To a disk with round holes" map-circles.png \
   "A surface with several boundary loops." \
   parameterize "$out/meshes/plates/two-holes-4.ply" --to circle-domain -o "$out/circles.obj"
