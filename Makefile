@@ -1,6 +1,6 @@
 # The two commands: `make demo` and `make test`. Each installs what is missing first.
 #
-#   make demo     builds, fills a collection with sample surfaces, searches it, leaves demo/
+#   make demo     builds, searches, maps and matches sample surfaces, leaves demo/index.html
 #   make test     builds and runs every test; leaves build/release/bin built
 #   make build    only the release build
 #   make bench    costs of every stage in F on a sample surface (MESHES="a.obj b.off" for others)

@@ -194,7 +194,10 @@ Result<Parameterization> mapToPlane(Context& context, const Options& message,
 void describePlane(const Subject& subject, const Parameterization& map,
                    v1::Parameterization& result) {
   if (map.torus) *result.mutable_torus() = describe(*map.torus);
-  if (map.cones) *result.mutable_cone_metric() = describe(*map.cones, subject);
+  // A rectangle is made of a flat metric, too; its cones are its corners.
+  if (map.cones && isFlatTarget(result.target())) {
+    *result.mutable_cone_metric() = describe(*map.cones, subject);
+  }
   if (map.quads) *result.mutable_quads() = describe(*map.quads, subject);
   if (map.atlas) *result.mutable_atlas() = describe(*map.atlas);
 }
