@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -31,10 +32,18 @@ Result<v1::MatchOptions> optionsOf(const Arguments& arguments) {
   if (arguments.has("initial-delaunay")) {
     options.set_initial_delaunay(arguments.text("initial-delaunay") == "on");
   }
-  if (!arguments.has("landmarks")) return options;
-  ASSIGN_OR_RETURN(v1::SphereRegistration landmarks, readLandmarks(arguments.text("landmarks")));
-  options.mutable_landmarks()->Swap(landmarks.mutable_landmarks());
-  options.mutable_curves()->Swap(landmarks.mutable_curves());
+  options.set_alternative(arguments.integer("alternative", 0));
+  if (arguments.has("landmarks")) {
+    ASSIGN_OR_RETURN(v1::SphereRegistration landmarks, readLandmarks(arguments.text("landmarks")));
+    options.mutable_landmarks()->Swap(landmarks.mutable_landmarks());
+    options.mutable_curves()->Swap(landmarks.mutable_curves());
+  }
+  if (arguments.has("soft-landmarks")) {
+    ASSIGN_OR_RETURN(v1::SphereRegistration landmarks,
+                     readLandmarks(arguments.text("soft-landmarks")));
+    options.mutable_soft_landmarks()->Swap(landmarks.mutable_landmarks());
+    options.mutable_soft_curves()->Swap(landmarks.mutable_curves());
+  }
   return options;
 }
 
@@ -45,7 +54,8 @@ class Pair {
     const std::string format = arguments.text("format");
     ASSIGN_OR_RETURN(MeshArgument a, MeshArgument::open(session, arguments.text("A"), format));
     ASSIGN_OR_RETURN(MeshArgument b, MeshArgument::open(session, arguments.text("B"), format));
-    return Pair(std::move(a), std::move(b), arguments.text("landmarks"));
+    return Pair(std::move(a), std::move(b),
+                {arguments.text("landmarks"), arguments.text("soft-landmarks")});
   }
 
   const MeshArgument& a() const { return a_; }
@@ -54,8 +64,8 @@ class Pair {
 
   /// Failures speak of the file that their message begins with, or of both surfaces.
   Status explain(const Session& session, const Status& status) const {
-    for (const std::string& name :
-         {a_.name(), b_.name(), a_.resource(), b_.resource(), landmarks_}) {
+    for (const std::string& name : {a_.name(), b_.name(), a_.resource(), b_.resource(),
+                                    landmarks_.front(), landmarks_.back()}) {
       if (!name.empty() && status.message().starts_with(name + ":")) {
         return session.explain("", status);
       }
@@ -64,11 +74,11 @@ class Pair {
   }
 
  private:
-  Pair(MeshArgument a, MeshArgument b, std::string landmarks)
+  Pair(MeshArgument a, MeshArgument b, std::array<std::string, 2> landmarks)
       : a_(std::move(a)), b_(std::move(b)), landmarks_(std::move(landmarks)) {}
 
   MeshArgument a_, b_;
-  std::string landmarks_;
+  std::array<std::string, 2> landmarks_;  ///< Files.
 };
 
 Result<TriangleSoup> soupOf(Client& client, const MeshArgument& mesh, const std::string& format) {
@@ -227,11 +237,22 @@ std::vector<OptionSpec> matchOptions() {
       {.names = "--mirror", .value = "", .help = "Match A to the mirror image of B"},
       {.names = "--landmarks",
        .value = "FILE",
-       .help = "On surfaces without handles, pairs of points that have to meet, A first: lines "
+       .help = "On closed surfaces and disks, pairs of points that have to meet, A first: lines "
                "'vertexA vertexB', 'faceA b0 b1 "
                "b2 faceB b0 b1 b2' (weights of the corners) or 'curve COUNT: a1 a2 ... : b1 b2 "
                "...' (paths of vertices, resampled to COUNT pairs)",
        .completion = Completion::kFile},
+      {.names = "--soft-landmarks",
+       .value = "FILE",
+       .help = "On closed surfaces, pairs likewise that the map is drawn to, more than to anything "
+               "else near them, but "
+               "may miss",
+       .completion = Completion::kFile},
+      {.names = "--alternative",
+       .value = "K",
+       .help = "The K-th of the other answers that the best one lists, as symmetric surfaces have "
+               "them",
+       .check = isPositiveInteger},
       {.names = "--same-triangulation",
        .value = "on|off",
        .help = "Whether meshes that differ by the numbering and the places of their vertices alone "
@@ -265,10 +286,9 @@ std::vector<CommandSpec> matchCommands() {
            "Maps A onto B, one to one and without a fold, so that corresponding points correspond: "
            "by the meshes' triangulation where they differ by numbering and places alone, by what "
            "bending keeps where the surfaces are poses of one thing, or by what Möbius maps of "
-           "space keep, whichever agrees best. Both have to be closed and of one genus: "
-           "--fill-holes "
-           "closes "
-           "small holes, --component takes one part of several; these and --repair apply to both. "
+           "space keep, whichever agrees best. Both have to be of one genus and number of "
+           "boundary loops, and boundaries go onto each other; --fill-holes closes small holes, "
+           "--component takes one part of several; these and --repair apply to both. "
            "The distance tells how far the map is from keeping all lengths but for one scale. The "
            "certificate tells how much it bends angles and areas, how far points are from where "
            "they started when they go to B and back, and, for a surface that is nearly symmetric, "

@@ -2,14 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
-#include <limits>
-#include <numbers>
-#include <numeric>
-#include <optional>
 #include <utility>
 
 #include "core/intrinsic/edge_graph.h"
+#include "core/matching/rim_targets.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli {
@@ -17,6 +13,8 @@ namespace {
 
 /// Of an even map, so that no two vertices share a place.
 constexpr double kEvenShare = 1e-3;
+/// A step of more than this part of a turn goes back by rounding.
+constexpr double kRounding = 1 - 1e-9;
 
 /// A boundary loop, and where its vertices are along it.
 struct Loop {
@@ -39,84 +37,23 @@ std::vector<Loop> loopsOf(const TriangleMesh& mesh) {
   return loops;
 }
 
-/// Not decreasing, and nearest to the values by weighted squares.
-std::vector<double> isotonic(const std::vector<double>& values,
-                             const std::vector<double>& weights) {
-  struct Block {
-    double sum = 0, weight = 0;
-    std::size_t count = 0;
-    double mean() const { return sum / weight; }
-  };
-  std::vector<Block> blocks;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    blocks.push_back({values[i] * weights[i], weights[i], 1});
-    while (blocks.size() > 1 && blocks.back().mean() < blocks[blocks.size() - 2].mean()) {
-      const Block last = blocks.back();
-      blocks.pop_back();
-      blocks.back().sum += last.sum;
-      blocks.back().weight += last.weight;
-      blocks.back().count += last.count;
+/// Places along a loop, in order and once around, near the targets. All but the result as shares of
+/// the loops' lengths; at: of the vertices on theirs, ascending. The result counts turns, too.
+std::vector<double> inOrder(const std::vector<double>& at, const std::vector<double>& targets) {
+  std::vector<double> places = orderedAroundCircle(at, targets);
+  double middle = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (i > 0) {
+      const double step = places[i] - places[i - 1];
+      const double on = step - std::floor(step);
+      places[i] = places[i - 1] + (on < kRounding ? on : 0);
     }
+    middle += (places[i] - at[i]) / static_cast<double>(places.size());
   }
-  std::vector<double> result;
-  for (const Block& block : blocks) result.insert(result.end(), block.count, block.mean());
-  return result;
-}
-
-/// The nearest whole number of turns away from 0.
-double wrapped(double value, double length) {
-  return value - length * std::round(value / length);
-}
-
-/// Places along a loop of the length `length`, in order and once around, near the targets. at: how
-/// far along the other loop, of the length `whole`, the vertices are.
-std::vector<double> inOrder(const std::vector<double>& targets, double length,
-                            const std::vector<double>& at, double whole) {
-  const std::size_t n = targets.size();
-  const double rate = length / whole;
-  std::vector<double> weights(n), lifted(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double before = i > 0 ? at[i] - at[i - 1] : at[0] + whole - at[n - 1];
-    const double after = i + 1 < n ? at[i + 1] - at[i] : at[0] + whole - at[n - 1];
-    weights[i] = std::max((before + after) / 2, 1e-12 * whole);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    places[i] = (1 - kEvenShare) * places[i] + kEvenShare * (middle + at[i]);
   }
-  std::complex<double> turn = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    turn += std::polar(weights[i], 2 * std::numbers::pi * (targets[i] - rate * at[i]) / length);
-  }
-  const double shift = std::arg(turn) * length / (2 * std::numbers::pi);
-  const auto even = [&](std::size_t i) { return shift + rate * at[i]; };
-  // Each from the one before, if that leads once around; else from where an even map has it.
-  lifted[0] = even(0) + wrapped(targets[0] - even(0), length);
-  for (std::size_t i = 1; i < n; ++i) {
-    lifted[i] = lifted[i - 1] + wrapped(targets[i] - lifted[i - 1], length);
-  }
-  const double around = lifted[n - 1] + wrapped(targets[0] - lifted[n - 1], length) - lifted[0];
-  if (std::lround(around / length) != 1) {
-    for (std::size_t i = 0; i < n; ++i) {
-      lifted[i] = even(i) + wrapped(targets[i] - even(i), length);
-    }
-  }
-  // The turns before and after keep the ends in order, too.
-  std::vector<double> turns, turn_weights;
-  for (int k = -1; k <= 1; ++k) {
-    for (std::size_t i = 0; i < n; ++i) {
-      turns.push_back(lifted[i] + k * length);
-      turn_weights.push_back(weights[i]);
-    }
-  }
-  turns = isotonic(turns, turn_weights);
-  const double first = turns[n];
-  double mean = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    mean += weights[i] * (turns[n + i] - rate * at[i]) / whole;
-  }
-  std::vector<double> result(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    result[i] = (1 - kEvenShare) * std::min(turns[n + i], first + length) +
-                kEvenShare * (mean + rate * at[i]);
-  }
-  return result;
+  return places;
 }
 
 class BoundaryFit {
@@ -204,15 +141,17 @@ class BoundaryFit {
     for (std::size_t i = 0; i < to.halfedges.size(); ++i) {
       starts[b.tail(to.halfedges[i])] = to.starts[i];
     }
-    std::vector<double> targets;
-    for (const Index h : from.halfedges) {
-      targets.push_back(starts[footOf(nearestCorner(a.tail(h)), distances_[j])]);
+    std::vector<double> targets, at;
+    for (std::size_t i = 0; i < from.halfedges.size(); ++i) {
+      const Index foot = footOf(nearestCorner(a.tail(from.halfedges[i])), distances_[j]);
+      targets.push_back(starts[foot] / to.length);
+      at.push_back(from.starts[i] / from.length);
     }
-    const std::vector<double> places = inOrder(targets, to.length, from.starts, from.length);
+    const std::vector<double> places = inOrder(at, targets);
     std::vector<Index> edges;
     for (std::size_t i = 0; i < places.size(); ++i) {
-      const double turns = std::floor(places[i] / to.length);
-      const double along = places[i] - turns * to.length;
+      const double turns = std::floor(places[i]);
+      const double along = (places[i] - turns) * to.length;
       const auto after = std::upper_bound(to.starts.begin(), to.starts.end(), along);
       const auto k =
           static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, after - to.starts.begin() - 1));

@@ -19,11 +19,10 @@ struct BoundaryMap {
 
 /// The boundary map that is nearest to where boundary vertices of A ought to go: each loop of A
 /// goes to the loop of B that is nearest to its targets, and each of its vertices to the point
-/// there that is nearest to its own, as far as these keep their order (in the sense of least
-/// squares along the loop; where they do not tell which way around they run, evenly).
+/// there that is nearest to its own, as far as these keep their order (orderedAroundCircle).
 ///
 /// points: per vertex of A its target on B. Fails with kUnsupportedTopology (numbers of loops
-/// differ or are 0). O(loops E log V). Source: Ayer et al. 1955 (isotonic regression).
+/// differ or are 0). O(loops E log V).
 Result<BoundaryMap> fitBoundary(const TriangleMesh& a, const TriangleMesh& b,
                                 const std::vector<SurfacePoint>& points);
 

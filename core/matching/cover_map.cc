@@ -61,12 +61,14 @@ CoverMap moved(const Connectivity& surface, const CoverSurface& cover, const Cov
   return result;
 }
 
+bool isFolded(const Connectivity& surface, const CoverMap& map, Index face) {
+  const auto& [first, second, third] = cornersOf(surface, map, face);
+  return spherical::orientationSign(first, second, third) <= 0;
+}
+
 Index countFolded(const Connectivity& surface, const CoverMap& map) {
   Index folded = 0;
-  for (Index f = 0; f < surface.faceCount(); ++f) {
-    const auto& [first, second, third] = cornersOf(surface, map, f);
-    folded += spherical::orientationSign(first, second, third) <= 0;
-  }
+  for (Index f = 0; f < surface.faceCount(); ++f) folded += isFolded(surface, map, f) ? 1 : 0;
   return folded;
 }
 

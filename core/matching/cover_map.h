@@ -34,8 +34,11 @@ VertexLinks linksOf(const Connectivity& surface, const CoverSurface& cover, cons
 CoverMap moved(const Connectivity& surface, const CoverSurface& cover, const CoverMap& map,
                const std::vector<Motion>& moves);
 
-/// Faces turned over or flat, by the sign of the determinant of the vectors as they are rounded,
-/// from the image of the first corner. O(F).
+/// Whether a face is turned over or flat, by the sign of the determinant of the vectors as they are
+/// rounded, from the image of the first corner.
+bool isFolded(const Connectivity& surface, const CoverMap& map, Index face);
+
+/// How many are. O(F).
 Index countFolded(const Connectivity& surface, const CoverMap& map);
 
 }  // namespace moduli

@@ -21,6 +21,8 @@ constexpr double kLongestSmoothing = 0.5;
 constexpr double kFar = 8;
 /// Targets so near to folded faces do not pull at last.
 constexpr int kMostRings = 4;
+/// Of all faces: fewer folds than that are matters of a few targets.
+constexpr double kFewFolds = 0.01;
 /// Of an edge: as far as it takes to tell which targets are wrong.
 constexpr double kRoughly = 1e-2;
 
@@ -68,15 +70,17 @@ class HarmonicFit {
     options_.slides = start.slides;
   }
 
-  /// Nothing where faces fold whatever is tried.
-  Result<std::optional<HarmonicMatch>> fit(double smoothing) {
+  /// Nothing where faces fold. Targets near folded faces fall silent where these are few; where it
+  /// is the last way to keep the others, always.
+  Result<std::optional<HarmonicMatch>> fit(double smoothing, bool is_last = false) {
     options_.pulls.clear();
     if (std::isfinite(smoothing)) RETURN_IF_ERROR(weighTargets(smoothing));
-    ASSIGN_OR_RETURN(std::optional<HarmonicMatch> match, attempt(cotan_, smoothing));
-    for (int rings = 0; !match && rings <= kMostRings; ++rings) {
+    Result<std::optional<HarmonicMatch>> match = attempt(cotan_, smoothing);
+    for (int rings = 0; match.ok() && !*match && rings <= kMostRings; ++rings) {
       if (rings > 0) silenceFolds(rings);
-      ASSIGN_OR_RETURN(match, attempt(positive_, smoothing));
-      if (!std::isfinite(smoothing)) break;
+      match = attempt(positive_, smoothing);
+      const bool few = folded_ < kFewFolds * surface_.faceCount();
+      if (!std::isfinite(smoothing) || !(few || is_last)) break;
     }
     return match;
   }
@@ -184,16 +188,31 @@ Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& su
   }
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
   HarmonicFit fit(context, surface, unitLengths(mollified.lengths), cover, start);
-  for (double smoothing = options.smoothing;; smoothing *= 2) {
-    if (smoothing > kLongestSmoothing) smoothing = std::numeric_limits<double>::infinity();
-    ASSIGN_OR_RETURN(std::optional<HarmonicMatch> match, fit.fit(smoothing));
+  std::vector<double> smoothings;
+  for (double s = options.smoothing; s <= kLongestSmoothing; s *= 2) smoothings.push_back(s);
+  const std::size_t last = smoothings.size();
+  if (last > 0) smoothings.push_back(options.smoothing);
+  smoothings.push_back(std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < smoothings.size(); ++i) {
+    ASSIGN_OR_RETURN(std::optional<HarmonicMatch> match, fit.fit(smoothings[i], i == last));
     if (match) return *std::move(match);
-    if (!std::isfinite(smoothing)) break;
   }
   return Status(Reason::kFoldedMap,
                 "the harmonic map turns over " + std::to_string(fit.folded()) + " of " +
                     std::to_string(surface.faceCount()) + " faces",
                 "simplify limbs that are long and thin");
+}
+
+Result<HarmonicMatch> evenOut(Context& context, const Connectivity& surface,
+                              const std::vector<double>& lengths, const CoverSurface& cover,
+                              CoverMap map, const HarmonicMatchOptions& options) {
+  TargetLinks start;
+  start.replaced.assign(surface.vertexCount(), false);
+  start.closure = closureResidual(surface, linksOf(surface, cover, map));
+  start.area = cover.area;
+  start.degree = 1;
+  start.map = std::move(map);
+  return matchHarmonically(context, surface, lengths, cover, start, options);
 }
 
 }  // namespace moduli

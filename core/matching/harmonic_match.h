@@ -36,9 +36,11 @@ struct HarmonicMatch {
 /// w_e d_e^2 + 1/2 sum of (share of A's area) (distance from the target)^2 / smoothing^2 in the
 /// metric of the cover: twice, the second time with hardly a pull of targets much farther from
 /// their images than most. The cotan weights w_e are A's own and, where faces fold under these or
-/// the energy is not convex, kept positive: then the minimum is the only one. Where faces fold all
-/// the same, smoothing is made longer; without the pull of targets none can (Colin de Verdière
-/// 1991) but by rounding. Of tori one vertex then stays at its target.
+/// the energy is not convex, kept positive: then the minimum is the only one. Where a few
+/// faces fold all the same, targets near them fall silent; where many do, smoothing is made longer,
+/// and if no length helps, targets fall silent at the given one. Without the pull of targets no
+/// face can fold (Colin de Verdière 1991) but by rounding. Of tori one vertex then stays at its
+/// target.
 ///
 /// lengths: per edge of `surface`, positive up to rounding. targets: per vertex. Fails with
 /// kInvalidOption (smoothing not positive), kFoldedMap (faces too thin for doubles), and as
@@ -55,5 +57,11 @@ Result<HarmonicMatch> matchHarmonically(Context& context, const Connectivity& su
                                         const std::vector<double>& lengths,
                                         const CoverSurface& cover, const TargetLinks& targets,
                                         const HarmonicMatchOptions& options = {});
+
+/// The same from a map without folded faces on: its images are the targets, and its class the one.
+/// Fails likewise, but not as linkTargets does.
+Result<HarmonicMatch> evenOut(Context& context, const Connectivity& surface,
+                              const std::vector<double>& lengths, const CoverSurface& cover,
+                              CoverMap map, const HarmonicMatchOptions& options = {});
 
 }  // namespace moduli

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "core/matching/refinement.h"
 #include "core/matching/relaxation.h"
+#include "core/matching/settling.h"
 #include "core/matching/thinning.h"
 
 namespace moduli {
@@ -17,12 +19,13 @@ using Positions = std::vector<Eigen::Vector3d>;
 
 Status checkOptions(const HomeomorphismOptions& options) {
   const bool good = options.smoothing > 0 && std::isfinite(options.smoothing) &&
+                    options.last_smoothing > 0 && std::isfinite(options.last_smoothing) &&
                     options.outlier > 0 && std::isfinite(options.outlier) &&
                     options.coarse_vertices >= 4 && options.coarse_sweeps >= 0 &&
                     options.sweeps >= 0 && options.tolerance >= 0;
   if (good) return {};
   return {Reason::kInvalidOption,
-          "a homeomorphism needs a smoothing and an outlier distance above 0, at least 4 coarse "
+          "a homeomorphism needs smoothings and an outlier distance above 0, at least 4 coarse "
           "vertices and no negative sweeps or tolerance"};
 }
 
@@ -43,9 +46,19 @@ Status checkTargets(const Connectivity& a, const Connectivity& b,
   return {};
 }
 
-double areaOf(const Connectivity& surface, const Positions& positions) {
+Status checkPoles(const SphericalSource& a, const SphericalTarget& b) {
+  const bool disks =
+      a.pole == a.surface.vertexCount() - 1 && b.pole == b.sphere.surface().vertexCount() - 1;
+  if (disks || (a.pole == kNone && b.pole == kNone)) return {};
+  return {Reason::kInvalidOption,
+          "two disks have their poles for last vertices, two spheres have none"};
+}
+
+/// pole: its faces do not count.
+double areaOf(const Connectivity& surface, const Positions& positions, Index pole) {
   double sum = 0;
   for (const auto& [a, b, c] : surface.faces()) {
+    if (pole != kNone && (a == pole || b == pole || c == pole)) continue;
     sum += (positions[b] - positions[a]).cross(positions[c] - positions[a]).norm() / 2;
   }
   return sum;
@@ -61,10 +74,12 @@ class Fitting {
         options_(options),
         mesh_(std::move(mesh)),
         positions_(a.positions),
-        domain_(b.sphere, b.positions, std::sqrt(areaOf(b.sphere.surface(), b.positions))) {
-    const double unit = std::sqrt(areaOf(a.surface, a.positions));
+        domain_(b.sphere, b.positions, std::sqrt(areaOf(b.sphere.surface(), b.positions, b.pole)),
+                b.pole) {
+    const double unit = std::sqrt(areaOf(a.surface, a.positions, a.pole));
     for (Eigen::Vector3d& p : positions_) p /= unit;
     attractions_.resize(positions_.size());
+    for (const ExactVertex& exact : a.exact) mesh_.hold(exact.vertex);
   }
 
   Result<Homeomorphism> run(const std::vector<VertexTarget>& targets) {
@@ -74,11 +89,12 @@ class Fitting {
       const Status status = finish(attempt.map);
       if (status.reason() == Reason::kFoldedMap) continue;
       RETURN_IF_ERROR(status);
-      return describe(attempt, targets);
+      Result<Homeomorphism> found = describe(attempt, targets);
+      if (found.status().reason() != Reason::kFoldedMap) return found;
     }
     // All vertices at once, from where the start has them: this folds nothing, but stays near it.
     Attempt last{Relaxation(mesh_, positions_, domain_, attractions_)};
-    for (const Index v : last.map.present()) last.map.setImage(v, domain_.at(a_.start[v]));
+    for (const Index v : last.map.present()) last.map.setImage(v, startOf(v));
     RETURN_IF_ERROR(finish(last.map));
     return describe(last, targets);
   }
@@ -105,12 +121,20 @@ class Fitting {
     for (const VertexTarget& target : targets) sum += target.weight;
     const double factor = sum > 0 ? static_cast<double>(targets.size()) / sum : 0;
     for (const VertexTarget& target : targets) {
-      const Image image = domain_.at(target.point);
+      Image image = domain_.at(target.point);
+      if (mesh_.isRim(target.vertex)) image = domain_.onRim(image.direction);
       attractions_[target.vertex] = {image.space, image,
                                      std::min(target.weight * factor, kHeaviest)};
     }
     likely_ = attractions_;
   }
+
+  Image startOf(Index v) const {
+    if (v == mesh_.pole()) return poleImage();
+    return mesh_.isRim(v) ? domain_.onRim(a_.start[v]) : domain_.at(a_.start[v]);
+  }
+
+  Image poleImage() const { return domain_.at(vertexPoint(b_.sphere.surface(), b_.pole)); }
 
   /// Coarse maps of equally many vertices, best first.
   Result<std::vector<Attempt>> tryAll() {
@@ -166,7 +190,7 @@ class Fitting {
   /// The coarse mesh with its vertices as the start has them.
   Result<bool> beginAtStart(Relaxation& map) {
     for (const Index v : map.present()) {
-      map.setImage(v, domain_.at(a_.start[v]));
+      map.setImage(v, startOf(v));
       likely_[v] = attractions_[likelyTarget(v)];
     }
     return relaxCoarse(map);
@@ -178,7 +202,7 @@ class Fitting {
     const std::vector<Index> vertices = map.present();
     for (const Index v : vertices) {
       // Without a target: at the centre, where no face is positive.
-      map.setImage(v, Image());
+      map.setImage(v, v == mesh_.pole() ? poleImage() : Image());
       if (!(attractions_[v].weight > 0)) continue;
       likely_[v] = attractions_[likelyTarget(v)];
       map.setImage(v, likely_[v].image);
@@ -212,18 +236,69 @@ class Fitting {
     return true;
   }
 
-  /// Up to all vertices.
+  /// Up to all vertices, and then at rest.
   Status finish(Relaxation& map) {
-    const Context::Stage stage(context_, "refine");
     map.setAttractions(attractions_);
     map.setPull(pull(), options_.outlier);
+    RETURN_IF_ERROR(refineToAll(map));
+    if (a_.pole != kNone || !(options_.last_smoothing > options_.smoothing)) return {};
+    RETURN_IF_ERROR(settle(context_, a_.surface, domain_, attractions_, map, settling()));
+    return smoothCrumples(map);
+  }
+
+  Status refineToAll(Relaxation& map, double wildest = kWild) {
+    const Context::Stage stage(context_, "refine");
     const Index all = a_.surface.vertexCount();
-    if (map.mesh().vertexCount() < all) return refine(map, all);
+    if (map.mesh().vertexCount() < all) return refine(map, all, wildest);
     return map.relaxAll(context_, map.inSweepOrder(), options_.sweeps, options_.tolerance);
   }
 
+  /// While faces are stuck: on coarse meshes of two sizes in turn, which have no room for what is
+  /// crumpled, and from there again. Keeps what helps.
+  Status smoothCrumples(Relaxation& map) {
+    int failures = 0;
+    for (int round = 0; round < kRounds && failures < 2 && !isAllTame(map, kOdd); ++round) {
+      ASSIGN_OR_RETURN(std::optional<Relaxation> again,
+                       onceMore(map, options_.coarse_vertices << (round % 2)));
+      ++failures;
+      if (!again) continue;
+      const double before = map.excess(map.present()), after = again->excess(again->present());
+      if (after < kLess * before) failures = 0;
+      if (after < before) map = *std::move(again);
+    }
+    return {};
+  }
+
+  /// The map by way of a coarse mesh of its own vertices. Nothing where that fails.
+  Result<std::optional<Relaxation>> onceMore(const Relaxation& map, Index size) {
+    std::optional<Relaxation> none;
+    Relaxation again(mesh_, positions_, domain_, attractions_);
+    for (const Index v : again.present()) again.setImage(v, map.image(v));
+    again.setPull(settling().pull, options_.outlier);
+    const FaceRule positive = [&](Index i, Index j, Index k) {
+      return SphereDomain::isPositive(again.image(i), again.image(j), again.image(k));
+    };
+    RETURN_IF_ERROR(thinEvenly(context_, again.mesh(), positions_,
+                               std::vector<char>(positions_.size(), 1), positive, size));
+    if (!thinUntilTame(again, kStuck)) return none;
+    RETURN_IF_ERROR(
+        again.relaxAll(context_, again.inSweepOrder(), options_.coarse_sweeps, options_.tolerance));
+    const Status status = refineToAll(again, kStuck);
+    if (status.reason() == Reason::kFoldedMap) return none;
+    RETURN_IF_ERROR(status);
+    RETURN_IF_ERROR(settle(context_, a_.surface, domain_, attractions_, again, settling()));
+    return std::optional(std::move(again));
+  }
+
+  SettlingOptions settling() const {
+    SettlingOptions result;
+    result.pull = 4 / (options_.last_smoothing * options_.last_smoothing);
+    result.scale = options_.outlier;
+    return result;
+  }
+
   /// Level by level, each with twice the vertices.
-  Status refine(Relaxation& map, Index wanted) {
+  Status refine(Relaxation& map, Index wanted, double wildest = kWild) {
     const Index most = std::min(wanted, a_.surface.vertexCount());
     while (map.mesh().vertexCount() < most) {
       const Index next = std::min(2 * map.mesh().vertexCount(), most);
@@ -231,20 +306,23 @@ class Fitting {
       const double share = static_cast<double>(options_.coarse_vertices) / next;
       const RefinementOptions work{
           std::max(options_.sweeps, static_cast<int>(options_.coarse_sweeps * share)),
-          options_.tolerance};
+          options_.tolerance, wildest};
       RETURN_IF_ERROR(restoreVertices(context_, map, next, work));
       RETURN_IF_ERROR(repairMap(context_, map, work));
     }
     return {};
   }
 
-  RefinementOptions coarseWork() const { return {options_.coarse_sweeps, options_.tolerance}; }
+  RefinementOptions coarseWork() const {
+    return {options_.coarse_sweeps, options_.tolerance, kWild};
+  }
 
   double pull() const { return 4 / (options_.smoothing * options_.smoothing); }
 
   /// The vertex near v whose target is in the middle of those of all near v; v itself where its own
   /// target is about as far from that one as v is from the vertex.
   Index likelyTarget(Index v) const {
+    if (mesh_.isHeld(v)) return v;
     const std::size_t count =
         std::clamp<std::size_t>(positions_.size() / options_.coarse_vertices, 7, 20);
     std::vector<Index> near = {v};
@@ -253,6 +331,8 @@ class Fitting {
       const std::size_t end = near.size();
       for (; begin < end; ++begin) {
         for (const Index w : mesh_.ring(near[begin])) {
+          // Not through a cap; vertices of the boundary by those of the boundary.
+          if (w == mesh_.pole() || (mesh_.isRim(v) && !mesh_.isRim(w))) continue;
           if (std::find(near.begin(), near.end(), w) == near.end()) near.push_back(w);
         }
       }
@@ -260,7 +340,7 @@ class Fitting {
     double least = std::numeric_limits<double>::infinity();
     Index best = v;
     for (const Index w : near) {
-      if (!(attractions_[w].weight > 0)) continue;
+      if (!(attractions_[w].weight > 0) || mesh_.isRim(w) != mesh_.isRim(v)) continue;
       double sum = 0;
       for (const Index other : near) {
         const Attraction& to = attractions_[other];
@@ -290,7 +370,8 @@ class Fitting {
       result.images.push_back(image.point);
       images.push_back(spacePoint(b_.sphere.surface(), b_.positions, image.point));
     }
-    result.report = measureSpaceMap(a_.surface, a_.positions, images);
+    ASSIGN_OR_RETURN(result.report, reportOn(images));
+    RETURN_IF_ERROR(checkExact(result.points));
     for (const auto& [p, q, r] : a_.surface.faces()) {
       const Points3& at = result.points;
       if (spherical::orientationSign(at[p], at[q], at[r]) <= 0) ++result.report.folded_faces;
@@ -307,10 +388,36 @@ class Fitting {
                   std::to_string(result.report.folded_faces) + " faces of the map are folded");
   }
 
+  /// Of the surface's own faces.
+  Result<MapReport> reportOn(const Positions& images) const {
+    if (a_.pole == kNone) return measureSpaceMap(a_.surface, a_.positions, images);
+    std::vector<Triangle> own;
+    for (const Triangle& face : a_.surface.faces()) {
+      if (!mesh_.isCap(face[0], face[1], face[2])) own.push_back(face);
+    }
+    ASSIGN_OR_RETURN(const Connectivity disk, Connectivity::fromFaces(a_.pole, std::move(own)));
+    return measureSpaceMap(disk, a_.positions, images);
+  }
+
+  Status checkExact(const Points3& points) const {
+    for (const auto& [v, name] : a_.exact) {
+      if (!(attractions_[v].weight > 0) || points[v] == attractions_[v].image.direction) continue;
+      return {Reason::kFoldedMap,
+              "no map without folds was found that takes " + name + " to its place"};
+    }
+    return {};
+  }
+
   static constexpr Index kSizes = 2;   ///< Coarse meshes up to this many times the coarsest.
   static constexpr double kFar = 0.5;  ///< The pull's first scale: it reaches over the surface.
   /// A target may be this many times as far from one nearby as the vertices are from each other.
   static constexpr double kStretch = 2;
+  /// A near isometry has no reason to have faces of more than twice an isometry's energy, stretched
+  /// by 2.4: something is stuck;
+  static constexpr double kOdd = 2;
+  static constexpr double kStuck = 4;  ///< what has more is taken out first.
+  static constexpr int kRounds = 6;
+  static constexpr double kLess = 0.95;     ///< A round that lowers the excess less is a failure.
   static constexpr double kHeaviest = 10;   ///< Weight of a target, where the mean is 1.
   static constexpr double kNothing = 1e-9;  ///< Excess of an isometry, with its rounding.
 
@@ -318,7 +425,7 @@ class Fitting {
   const SphericalSource& a_;
   const SphericalTarget& b_;
   const HomeomorphismOptions& options_;
-  const RingMesh mesh_;
+  RingMesh mesh_;
   Positions positions_;
   const SphereDomain domain_;
   std::vector<Attraction> attractions_;
@@ -339,8 +446,9 @@ Result<Homeomorphism> fitHomeomorphism(Context& context, const SphericalSource& 
                   "start, one point for every vertex");
   }
   RETURN_IF_ERROR(checkOptions(options));
+  RETURN_IF_ERROR(checkPoles(a, b));
   RETURN_IF_ERROR(checkTargets(a.surface, b.sphere.surface(), targets));
-  ASSIGN_OR_RETURN(RingMesh mesh, RingMesh::make(a.surface));
+  ASSIGN_OR_RETURN(RingMesh mesh, RingMesh::make(a.surface, a.pole));
   // The locator's own check: no face of the start is folded.
   if (auto start = SphereLocator::make(a.surface, a.start); !start.ok()) {
     return start.status().withContext("the start");

@@ -19,7 +19,7 @@ struct BorderedCorrespondence {
 /// harmonic map of the doubles that commutes with their reflections.
 ///
 /// a, b: of one topology, with boundary, no disks, without edges inside that join boundary vertices
-/// (splitChords). points: per vertex of a. Fails as fitBoundary, straightCover, linkBordered,
+/// (SplitSurface). points: per vertex of a. Fails as fitBoundary, straightCover, linkBordered,
 /// matchHarmonically and invertCoverMap do.
 Result<BorderedCorrespondence> matchBordered(Context& context, const TriangleMesh& a,
                                              const TriangleMesh& b,

@@ -19,6 +19,10 @@ namespace {
 /// Beside the mean squared distance of the landmarks: keeps the Möbius map from squeezing.
 constexpr double kRotationPreference = 0.001;
 
+/// Of what soft landmarks have made of a map: shorter than that of targets, for they are better
+/// known.
+constexpr double kSoftSmoothing = 0.02;
+
 struct Sphere {
   std::vector<double> lengths;
   Points3 points;
@@ -63,12 +67,24 @@ class SphereMatching {
     if (guess_.method == MatchMethod::kNearIsometry) {
       ASSIGN_OR_RETURN(points, straighten(locator, std::move(points)));
     }
+    if (!options_.soft_landmarks.empty()) {
+      ASSIGN_OR_RETURN(points, draw(locator, std::move(points)));
+    }
     if (!options_.landmarks.empty()) {
-      ASSIGN_OR_RETURN(points, meet(locator, std::move(points)));
+      LandmarkMapOptions meeting;
+      meeting.align = guess_.method != MatchMethod::kNearIsometry;
+      ASSIGN_OR_RETURN(points, meet(locator, std::move(points), options_.landmarks, meeting));
     }
     const Context::Stage stage(context_, "locate");
     SphereCorrespondence result;
     for (const Eigen::Vector3d& p : points) result.images.push_back(locator.locate(p));
+    for (const auto& [landmarks, images] :
+         {std::pair(&options_.landmarks, &result.landmarks),
+          std::pair(&options_.soft_landmarks, &result.soft_landmarks)}) {
+      for (const MatchLandmark& landmark : *landmarks) {
+        images->push_back(locator.locate(spherePoint(a_.connectivity(), points, landmark.a)));
+      }
+    }
     ASSIGN_OR_RETURN(result.inverse,
                      invertHomeomorphism(context_, a_.connectivity(), points, locator));
     return result;
@@ -91,22 +107,45 @@ class SphereMatching {
   }
 
   Result<Points3> straighten(const SphereLocator& b, Points3 start) {
+    return fit(b, std::move(start), guess_.points, {});
+  }
+
+  /// To soft landmarks, together with the others, as far as that goes, and evened out again.
+  Result<Points3> draw(const SphereLocator& b, Points3 points) {
+    std::vector<MatchLandmark> all = options_.landmarks;
+    all.insert(all.end(), options_.soft_landmarks.begin(), options_.soft_landmarks.end());
+    LandmarkMapOptions meeting;
+    meeting.align = guess_.method != MatchMethod::kNearIsometry;
+    meeting.partly = true;
+    ASSIGN_OR_RETURN(points, meet(b, std::move(points), all, meeting));
+    if (guess_.method != MatchMethod::kNearIsometry) return points;
+    std::vector<SurfacePoint> targets;
+    for (const Eigen::Vector3d& p : points) targets.push_back(b.locate(p));
+    HomeomorphismOptions fitting;
+    fitting.smoothing = kSoftSmoothing;
+    fitting.last_smoothing = kSoftSmoothing;  // Settling would take the landmarks back.
+    return fit(b, std::move(points), targets, fitting);
+  }
+
+  Result<Points3> fit(const SphereLocator& b, Points3 start,
+                      const std::vector<SurfacePoint>& points,
+                      const HomeomorphismOptions& fitting) {
     std::vector<VertexTarget> targets;
-    for (Index v = 0; v < a_.vertexCount(); ++v) targets.push_back({v, guess_.points[v], 1});
+    for (Index v = 0; v < a_.vertexCount(); ++v) targets.push_back({v, points[v], 1});
     ASSIGN_OR_RETURN(Homeomorphism map,
                      fitHomeomorphism(context_, {a_.connectivity(), a_.positions(), start},
-                                      {b, b_.positions()}, targets));
+                                      {b, b_.positions()}, targets, fitting));
     return std::move(map.points);
   }
 
-  Result<Points3> meet(const SphereLocator& b, Points3 points) {
+  Result<Points3> meet(const SphereLocator& b, Points3 points,
+                       const std::vector<MatchLandmark>& wanted,
+                       const LandmarkMapOptions& meeting) {
     std::vector<Landmark> landmarks;
-    for (const MatchLandmark& landmark : options_.landmarks) {
+    for (const MatchLandmark& landmark : wanted) {
       landmarks.push_back(
           {landmark.a, spherePoint(b_.connectivity(), b.points(), landmark.b), landmark.name});
     }
-    LandmarkMapOptions meeting;
-    meeting.align = guess_.method != MatchMethod::kNearIsometry;
     ASSIGN_OR_RETURN(LandmarkMap met, meetLandmarks(context_, a_.connectivity(), sphere_a_.lengths,
                                                     std::move(points), landmarks, meeting));
     return std::move(met.points);

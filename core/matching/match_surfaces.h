@@ -27,11 +27,15 @@ struct MatchOptions {
   bool mirror = false;
   /// Points that are met exactly.
   std::vector<MatchLandmark> landmarks = {};
+  /// Points that the map is drawn to, more than to anything else near them, but may miss.
+  std::vector<MatchLandmark> soft_landmarks = {};
   /// Whether two meshes that differ by the numbering and the places of their vertices alone
   /// correspond by their triangulation. Without, only the surfaces count.
   bool same_triangulation = true;
   /// As in mapToSphereRobust.
   bool initial_delaunay = true;
+  /// Which answer: 0 is the best, k > 0 the k-th of the alternatives that it tells of.
+  int alternative = 0;
 };
 
 /// What the map was found by.
@@ -51,7 +55,9 @@ struct SurfaceMatch {
   std::vector<SurfacePoint> images;   ///< Per vertex of a its point of b.
   std::vector<SurfacePoint> inverse;  ///< Per vertex of b the point of a that goes there.
   MatchMethod method = MatchMethod::kNearIsometry;
-  MapReport report;  ///< No face is folded.
+  /// No face is folded. On disks faces with all corners on the boundary, and those at edges inside
+  /// that join two such, count by their parts: see matchDisks.
+  MapReport report;
   /// How far the map is from one that keeps all lengths but for one scale: the root mean square, by
   /// area, of the logarithms of both singular values of its faces, less their mean. No unit; 0 for
   /// similar surfaces.
@@ -59,19 +65,26 @@ struct SurfaceMatch {
   double cycle_error = 0;                ///< cycleError over the root of the area of a.
   std::optional<double> defect;          ///< Of the spectral match that the map began with.
   std::optional<double> landmark_error;  ///< Largest distance left, over the root of b's area.
-  /// The runners-up, best first, whose defects are less than twice that of the best.
+  /// Of tori: half the logarithm of the least dilatation that a map of the homotopy class has
+  /// (TorusMap::distance).
+  std::optional<double> teichmuller_distance;
+  std::optional<double> soft_landmark_error;  ///< Of the soft ones.
+  /// The other answers, best first, whose defects are less than twice that of the best.
   std::vector<MatchAlternative> alternatives;
 };
 
 /// A map from a onto b that is one to one and folds no face. Surfaces that differ by bending are
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
-/// keeps, whichever agrees better.
+/// keeps, whichever agrees better; where such a map is near the match, the first surface is taken
+/// through it and the rest is a near isometry.
 ///
-/// a, b: connected, of one genus and number of boundary loops; boundaries go to boundaries.
-/// Landmarks on closed surfaces of genus 0 alone. Fails with kUnsupportedTopology (naming both
-/// topologies), kNoConvergence (no correspondence), kFoldedMap, kInvalidOption (a landmark), as
-/// makeSpectralSurface, fitHomeomorphism, matchHandles and matchBordered do. Some seconds at 50,000
-/// vertices. Source: MATH 9.
+/// a, b: connected, of one genus and number of boundary loops. Boundaries are mapped onto each
+/// other: images of their vertices have a weight of 0 on an edge of the boundary, or 1 at a vertex
+/// of it. Landmarks on closed surfaces and on disks alone, soft ones on closed surfaces; those of
+/// disks are met by vertices that are put there. Fails with kUnsupportedTopology (naming both
+/// topologies), kNoConvergence (no correspondence), kFoldedMap (naming landmarks that contradict
+/// each other), kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism,
+/// matchHandles, matchDisks and matchBordered do. Some seconds at 50,000 vertices. Source: MATH 9.
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options = {});
 

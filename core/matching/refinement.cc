@@ -26,22 +26,11 @@ bool makeRoom(Relaxation& map, const RingMesh::Collapse& undone) {
   return thinUntilTame(map) && map.mesh().vertexCount() < before;
 }
 
-bool isAllTame(const Relaxation& map) {
-  for (const Index v : map.present()) {
-    const std::vector<Index>& ring = map.mesh().ring(v);
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Index a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
-      if (v < a && v < b && !map.isTame(v, a, b, kWild)) return false;
-    }
-  }
-  return true;
-}
-
 /// Whether it helped.
 bool repairOnce(Relaxation& map, const RefinementOptions& options) {
   const Index count = map.mesh().vertexCount();
   Relaxation trial = map;
-  if (!thinUntilTame(trial)) return false;
+  if (!thinUntilTame(trial, options.wildest)) return false;
   std::vector<Index> restored;
   while (trial.mesh().vertexCount() < count) {
     const RingMesh::Collapse undone = trial.mesh().restore();
@@ -71,8 +60,19 @@ bool coversOnce(const Relaxation& map) {
   return std::abs(angle / (4 * std::numbers::pi) - 1) < 0.25;
 }
 
-bool thinUntilTame(Relaxation& map) {
-  const FaceRule rule = [&](Index a, Index b, Index c) { return map.isTame(a, b, c, kWild); };
+bool isAllTame(const Relaxation& map, double wildest) {
+  for (const Index v : map.present()) {
+    const std::vector<Index>& ring = map.mesh().ring(v);
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Index a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
+      if (v < a && v < b && !map.isTame(v, a, b, wildest)) return false;
+    }
+  }
+  return true;
+}
+
+bool thinUntilTame(Relaxation& map, double wildest) {
+  const FaceRule rule = [&](Index a, Index b, Index c) { return map.isTame(a, b, c, wildest); };
   return thinUntil(map.mesh(), map.positions(), rule) && coversOnce(map);
 }
 
@@ -104,7 +104,7 @@ Status restoreVertices(Context& context, Relaxation& map, Index wanted,
 }
 
 Status repairMap(Context& context, Relaxation& map, const RefinementOptions& options) {
-  for (int round = 0; round < kRepairs && !isAllTame(map); ++round) {
+  for (int round = 0; round < kRepairs && !isAllTame(map, options.wildest); ++round) {
     RETURN_IF_ERROR(context.check());
     if (!repairOnce(map, options)) break;
   }

@@ -21,6 +21,39 @@ constexpr double kMost = 100;
 constexpr double kClear = 1e-3;
 constexpr double kTooThin = 1e-5;  ///< Wild.
 
+/// How much stronger than an attraction what a held vertex is drawn by is.
+constexpr double kHold = 100;
+
+/// Without energy.
+const SpaceTriangle kNoFace = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                               Eigen::Vector3d::Zero()};
+
+/// Newton's step in the plane of that normal; 0 where it leads nowhere.
+Eigen::Vector3d stepIn(const Eigen::Vector3d& normal, const Eigen::Vector3d& gradient,
+                       const Eigen::Matrix3d& hessian) {
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  Eigen::Index least = 0;
+  normal.cwiseAbs().minCoeff(&least);
+  axis[least] = 1;
+  Eigen::Matrix<double, 3, 2> tangent;
+  tangent.col(0) = normal.cross(axis).normalized();
+  tangent.col(1) = normal.cross(tangent.col(0));
+  const Eigen::Matrix2d h = tangent.transpose() * hessian * tangent;
+  const Eigen::Vector2d g = tangent.transpose() * gradient;
+  const double determinant = h(0, 0) * h(1, 1) - h(0, 1) * h(1, 0);
+  if (!(determinant > 0)) return Eigen::Vector3d::Zero();
+  return tangent * Eigen::Vector2d((h(0, 1) * g[1] - h(1, 1) * g[0]) / determinant,
+                                   (h(1, 0) * g[0] - h(0, 0) * g[1]) / determinant);
+}
+
+/// The same on a line.
+Eigen::Vector3d stepAlong(const Eigen::Vector3d& tangent, const Eigen::Vector3d& gradient,
+                          const Eigen::Matrix3d& hessian) {
+  const double h = tangent.dot(hessian * tangent);
+  if (!(h > 0)) return Eigen::Vector3d::Zero();
+  return -gradient.dot(tangent) / h * tangent;
+}
+
 }  // namespace
 
 /// A vertex's faces: before the map, and the sides opposite the vertex after it.
@@ -35,6 +68,10 @@ Relaxation::Star Relaxation::starOf(Index v) const {
   star.faces.reserve(ring.size());
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Index a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
+    if (mesh_.isCap(v, a, b)) {
+      star.faces.emplace_back(kNoFace);
+      continue;
+    }
     star.faces.emplace_back(SpaceTriangle{(*positions_)[v], (*positions_)[a], (*positions_)[b]});
     star.mass += star.faces.back().area() / 3;
   }
@@ -46,6 +83,11 @@ double Relaxation::clearance(Index v, const Image& image) const {
   double least = kClear;
   for (std::size_t i = 0; i < ring.size() && least > 0; ++i) {
     const Index a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
+    if (mesh_.isCap(v, a, b)) {
+      // Its own width does not matter.
+      if (!SphereDomain::isPositive(image, images_[a], images_[b])) return 0;
+      continue;
+    }
     least = std::min(least, SphereDomain::clearance(image, images_[a], images_[b]));
   }
   return least;
@@ -56,6 +98,7 @@ double Relaxation::pullEnergy(double mass, Index v, const Eigen::Vector3d& at) c
   const double weight = pull_ * to.weight * mass;
   if (!(weight > 0)) return 0;
   const double r2 = (at - to.place).squaredNorm(), s2 = scale_ * scale_;
+  if (mesh_.isHeld(v)) return kHold * weight * r2;
   return weight * r2 * (s2 / (r2 + s2));
 }
 
@@ -79,35 +122,43 @@ Eigen::Vector3d Relaxation::newtonStep(const Star& star, Index v, double& expect
     const Index a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
     star.faces[i].differentiate({here.space, images_[a].space, images_[b].space}, gradient,
                                 hessian);
-    longest = std::max(longest, (images_[a].space - here.space).norm());
+    if (a != mesh_.pole()) longest = std::max(longest, (images_[a].space - here.space).norm());
   }
   const Attraction& to = (*attractions_)[v];
   const Eigen::Vector3d away = here.space - to.place;
   const double s2 = scale_ * scale_, share = s2 / (s2 + away.squaredNorm());
-  const double pull = 2 * pull_ * to.weight * star.mass * share * share;
+  const double full = 2 * pull_ * to.weight * star.mass;
+  const double pull = mesh_.isHeld(v) ? full * kHold : full * share * share;
   gradient += pull * away;
   hessian.diagonal().array() += pull;
-  const Eigen::Vector3d& normal = domain_->normal(here.point.face);
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
-  Eigen::Index least = 0;
-  normal.cwiseAbs().minCoeff(&least);
-  axis[least] = 1;
-  Eigen::Matrix<double, 3, 2> tangent;
-  tangent.col(0) = normal.cross(axis).normalized();
-  tangent.col(1) = normal.cross(tangent.col(0));
-  const Eigen::Matrix2d h = tangent.transpose() * hessian * tangent;
-  const Eigen::Vector2d g = tangent.transpose() * gradient;
-  const double determinant = h(0, 0) * h(1, 1) - h(0, 1) * h(1, 0);
-  if (!(determinant > 0)) return Eigen::Vector3d::Zero();
-  Eigen::Vector3d step = tangent * Eigen::Vector2d((h(0, 1) * g[1] - h(1, 1) * g[0]) / determinant,
-                                                   (h(1, 0) * g[0] - h(0, 0) * g[1]) / determinant);
+  const Eigen::Vector3d step = mesh_.isRim(v)
+                                   ? stepAlong(domain_->rimTangent(here), gradient, hessian)
+                                   : stepIn(domain_->normal(here.point.face), gradient, hessian);
   expected = -gradient.dot(step) / 2;
   const double length = step.norm();
-  if (length > 2 * longest) step *= 2 * longest / length;
-  return step;
+  return length > 2 * longest ? Eigen::Vector3d(step * (2 * longest / length)) : step;
+}
+
+Image Relaxation::moved(Index v, const Eigen::Vector3d& step) const {
+  const Image& here = images_[v];
+  if (!mesh_.isRim(v)) return domain_->walk(here, step);
+  return domain_->walkRim(here, domain_->rimTangent(here).dot(step));
+}
+
+bool Relaxation::isFixed(Index v) const {
+  return images_[v].direction == (*attractions_)[v].image.direction;
+}
+
+bool Relaxation::fix(Index v) {
+  const Image& there = (*attractions_)[v].image;
+  if (!(clearance(v, there) >= kTooThin)) return false;
+  images_[v] = there;
+  return true;
 }
 
 double Relaxation::relax(Index v) {
+  if (v == mesh_.pole()) return 0;
+  if (mesh_.isHeld(v) && (isFixed(v) || fix(v))) return 0;
   const Star star = starOf(v);
   double expected = 0;
   Eigen::Vector3d step = newtonStep(star, v, expected);
@@ -117,7 +168,7 @@ double Relaxation::relax(Index v) {
   if (!(expected > enough)) return 0;
   double clear = -1;
   for (int halving = 0; halving < 5; ++halving, step /= 3) {
-    Image trial = domain_->walk(images_[v], step);
+    Image trial = moved(v, step);
     const double gain = before - energy(star, v, trial);
     if (!(gain > enough)) continue;
     if (clear < 0) clear = clearance(v, images_[v]);
@@ -149,6 +200,7 @@ std::vector<Index> Relaxation::inSweepOrder() const {
 }
 
 bool Relaxation::isTame(Index a, Index b, Index c, double most) const {
+  if (mesh_.isCap(a, b, c)) return SphereDomain::isPositive(images_[a], images_[b], images_[c]);
   if (!(SphereDomain::clearance(images_[a], images_[b], images_[c]) > kTooThin)) return false;
   const FaceDistortion face({(*positions_)[a], (*positions_)[b], (*positions_)[c]});
   return face.energy({images_[a].space, images_[b].space, images_[c].space}) <=
@@ -258,6 +310,25 @@ Eigen::Vector3d Relaxation::meanOfRing(Index v) const {
   return sum;
 }
 
+void Relaxation::considerRim(Index v, Index kept,
+                             const std::function<bool(const Image&)>& consider) const {
+  const std::vector<Index>& ring = mesh_.ring(v);
+  const auto pole = std::find(ring.begin(), ring.end(), mesh_.pole());
+  const Index ahead = pole + 1 == ring.end() ? ring.front() : *(pole + 1);
+  const Index behind = pole == ring.begin() ? ring.back() : *(pole - 1);
+  const auto& p = *positions_;
+  const double to = (p[ahead] - p[v]).norm(), from = (p[behind] - p[v]).norm();
+  const double share = from + to > 0 ? from / (from + to) : 0.5;
+  const double way = domain_->rimWay(images_[behind], images_[ahead]);
+  if (consider(domain_->walkRim(images_[behind], share * way))) return;
+  // Close to `kept`, before the other neighbour, there is a place.
+  const Eigen::Vector3d& origin = images_[kept].direction;
+  const Eigen::Vector3d towards = images_[kept == ahead ? behind : ahead].direction - origin;
+  for (double reach = 0.5; reach > 1e-17; reach /= 2) {
+    if (consider(domain_->onRim(origin + reach * towards))) return;
+  }
+}
+
 bool Relaxation::place(Index v, Index kept) {
   const Star star = starOf(v);
   double least = std::numeric_limits<double>::infinity();
@@ -276,6 +347,13 @@ bool Relaxation::place(Index v, Index kept) {
   };
   if ((*attractions_)[v].weight > 0) consider((*attractions_)[v].image);
   const Eigen::Vector3d mean = meanOfRing(v);
+  if (mesh_.isRim(v)) {
+    considerRim(v, kept, consider);
+    if (!(clearest > 0)) return false;
+    images_[v] = std::move(best);
+    relax(v);
+    return true;
+  }
   const bool mean_will_do = mean.squaredNorm() > 0 && consider(domain_->at(mean));
   if (!mean_will_do) {
     // Close to `kept` the kernel is a sector between the two neighbours they share; its bisector

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct Attraction {
 /// A map of a mesh's vertices, moved vertex by vertex so that its energy falls and no face ever
 /// turns over: the distortion of the faces (FaceDistortion) and the pull of the attractions, both
 /// weighted by areas. Owns the mesh; refers to the other parts, which must live as long.
+///
+/// On a disk the boundary's vertices have images on the boundary, and move along it; the pole
+/// stays. A vertex that the mesh holds is drawn to its attraction however far it is, and does not
+/// leave it once it is there.
 class Relaxation {
  public:
   /// positions: per vertex, in the domain's unit. attractions: per vertex.
@@ -89,11 +94,18 @@ class Relaxation {
   /// By how much a vertex must lower the energy to disturb its neighbours.
   double restingGain(double tolerance) const;
   Star starOf(Index v) const;
+  /// Whether a vertex that is held is at its place.
+  bool isFixed(Index v) const;
+  /// Puts a vertex that is held at its place, if its faces stay positive.
+  bool fix(Index v);
+  Image moved(Index v, const Eigen::Vector3d& step) const;
   double energy(const Star& star, Index v, const Image& image) const;
   double pullEnergy(double mass, Index v, const Eigen::Vector3d& at) const;
   /// expected: set to the energy that it gains where the energy is quadratic.
   Eigen::Vector3d newtonStep(const Star& star, Index v, double& expected) const;
   Eigen::Vector3d meanOfRing(Index v) const;
+  /// Offers places on the boundary for a vertex of it.
+  void considerRim(Index v, Index kept, const std::function<bool(const Image&)>& consider) const;
 
   RingMesh mesh_;
   const std::vector<Eigen::Vector3d>* positions_;

@@ -26,12 +26,23 @@ Status checkRing(const Ring& ring, Index v) {
               " has fewer than three neighbours, or is joined to one by two edges"};
 }
 
+/// On a disk two vertices of the rim are joined along the rim alone: by an edge of a cap's face.
+Status checkRim(const RingMesh& mesh, Index v) {
+  const auto joined = std::count_if(mesh.ring(v).begin(), mesh.ring(v).end(),
+                                    [&](Index w) { return mesh.isRim(w); });
+  if (joined == 2) return {};
+  return {Reason::kUnsupportedTopology, "an edge inside joins boundary vertex " +
+                                            std::to_string(v) + " to another boundary vertex"};
+}
+
 }  // namespace
 
-Result<RingMesh> RingMesh::make(const Connectivity& surface) {
+Result<RingMesh> RingMesh::make(const Connectivity& surface, Index pole) {
   RingMesh mesh;
   mesh.count_ = surface.vertexCount();
+  mesh.pole_ = pole;
   mesh.present_.assign(mesh.count_, 1);
+  mesh.held_.assign(mesh.count_, 0);
   mesh.rings_.resize(mesh.count_);
   for (Index v = 0; v < mesh.count_; ++v) {
     if (surface.isBoundaryVertex(v)) {
@@ -44,11 +55,30 @@ Result<RingMesh> RingMesh::make(const Connectivity& surface) {
     } while (h != surface.outgoing(v));
     RETURN_IF_ERROR(checkRing(mesh.rings_[v], v));
   }
+  if (pole == kNone) return mesh;
+  mesh.held_[pole] = 1;
+  mesh.is_rim_.assign(mesh.count_, 0);
+  for (const Index v : mesh.rings_[pole]) mesh.is_rim_[v] = 1;
+  for (const Index v : mesh.rings_[pole]) RETURN_IF_ERROR(checkRim(mesh, v));
   return mesh;
 }
 
+bool RingMesh::keepsDisk(Index removed, Index kept) const {
+  if (kept == pole_) return false;
+  if (isRim(removed)) return isRim(kept);
+  if (!isRim(kept)) return true;
+  // A neighbour on the rim must be joined to `kept` already; the last vertex inside stays.
+  const Ring& ring = rings_[removed];
+  const bool alone = std::all_of(ring.begin(), ring.end(), [&](Index w) { return isRim(w); });
+  return !alone && std::all_of(ring.begin(), ring.end(), [&](Index w) {
+    return w == kept || !isRim(w) ||
+           std::find(rings_[kept].begin(), rings_[kept].end(), w) != rings_[kept].end();
+  });
+}
+
 bool RingMesh::canCollapse(Index removed, Index kept) const {
-  if (count_ <= 4) return false;
+  if (count_ <= 4 || held_[removed] != 0) return false;
+  if (pole_ != kNone && !keepsDisk(removed, kept)) return false;
   int common = 0;
   for (const Index w : rings_[removed]) {
     if (std::find(rings_[kept].begin(), rings_[kept].end(), w) == rings_[kept].end()) continue;

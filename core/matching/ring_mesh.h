@@ -11,6 +11,11 @@ namespace moduli {
 /// Kept as rings: per vertex its neighbours counter-clockwise, so that its faces are the vertex
 /// with any two neighbours that follow each other. Only what is glued where is known; it is the
 /// same for spheres and for surfaces with handles. Not safe to change from several threads.
+///
+/// A disk is kept as a sphere: one more vertex, the pole, is joined to all of its boundary, the
+/// rim. Of its faces (those of the cap) nothing is asked. The disk's own faces must not have all
+/// three corners on the rim, and no edge inside may join two vertices of the rim; collapses keep it
+/// that way.
 class RingMesh {
  public:
   /// A half-edge collapse: `removed` went into its neighbour `kept`.
@@ -19,8 +24,22 @@ class RingMesh {
   };
 
   /// Fails with kUnsupportedTopology where the surface is not closed, a vertex has fewer
-  /// than three neighbours, or two edges join the same vertices. O(V + F).
-  static Result<RingMesh> make(const Connectivity& surface);
+  /// than three neighbours, or two edges join the same vertices. pole: of a disk; an edge inside
+  /// between two vertices of the rim is kUnsupportedTopology, too. O(V + F).
+  static Result<RingMesh> make(const Connectivity& surface, Index pole = kNone);
+
+  /// kNone for closed surfaces.
+  Index pole() const { return pole_; }
+  /// Whether a vertex is on the boundary of a disk.
+  bool isRim(Index v) const { return pole_ != kNone && is_rim_[v] != 0; }
+  /// Whether a face is not the surface's own.
+  bool isCap(Index a, Index b, Index c) const {
+    return pole_ != kNone && (a == pole_ || b == pole_ || c == pole_);
+  }
+
+  /// From now on a vertex cannot be removed.
+  void hold(Index v) { held_[v] = 1; }
+  bool isHeld(Index v) const { return held_[v] != 0; }
 
   /// The neighbours of a vertex, counter-clockwise from any one. Of a removed vertex: those it had.
   const std::vector<Index>& ring(Index v) const { return rings_[v]; }
@@ -29,7 +48,8 @@ class RingMesh {
   Index vertexCount() const { return count_; }
 
   /// Whether the mesh stays one, without doubled edges, when `removed` goes into its neighbour
-  /// `kept`: the two have two neighbours in common, and these keep three. O(degree).
+  /// `kept`: the two have two neighbours in common, and these keep three. A vertex of the rim goes
+  /// along the rim alone, and the pole and what is held do not go. O(degree).
   bool canCollapse(Index removed, Index kept) const;
 
   /// The two are neighbours and canCollapse is true. O(degree) times the degrees of the ring.
@@ -41,10 +61,12 @@ class RingMesh {
  private:
   RingMesh() = default;
 
+  bool keepsDisk(Index removed, Index kept) const;
+
   std::vector<std::vector<Index>> rings_;
-  std::vector<char> present_;
+  std::vector<char> present_, held_, is_rim_;
   std::vector<Collapse> removed_;
-  Index count_ = 0;
+  Index count_ = 0, pole_ = kNone;
 };
 
 }  // namespace moduli

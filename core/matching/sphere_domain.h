@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "core/matching/disk_rim.h"
+#include "core/matching/surface_walk.h"
 #include "core/spherical/exact_sign.h"
 #include "core/spherical/sphere_locator.h"
 
@@ -20,23 +22,34 @@ struct Image {
 /// the sphere, where it is decided which way triangles turn. All that a map's search has to know of
 /// where it goes: another surface (a disk, the plane of a torus, the Klein model) needs the same
 /// functions. Refers to the locator, which must live as long; safe to read from several threads.
+///
+/// A disk is a sphere with a cap, as DiskRim has it: its boundary is the equator.
 class SphereDomain {
  public:
-  /// positions: per vertex of the locator's surface. unit: > 0; lengths are counted in it.
+  /// positions: per vertex of the locator's surface. unit: > 0; lengths are counted in it. pole:
+  /// the last vertex where the surface is a disk with a cap.
   SphereDomain(const SphereLocator& sphere, const std::vector<Eigen::Vector3d>& positions,
-               double unit);
+               double unit, Index pole = kNone);
 
   Image at(const SurfacePoint& point) const;
   /// direction: not 0. A unit vector is kept to the last bit.
   Image at(const Eigen::Vector3d& direction) const;
 
-  /// Straight on over the surface from `start`: in the plane of its face by the component of
-  /// `motion` there, across edges as if the next face were unfolded into the plane. Ends early
-  /// after `longest` edges and at a face without area. O(edges).
+  /// Straight on over the surface from `start`, as SurfaceWalk; not over the boundary of a disk.
   Image walk(const Image& start, const Eigen::Vector3d& motion, int longest = 256) const;
 
+  /// The point of a disk's boundary above or below which a direction points; not to a pole. A unit
+  /// vector of height 0 is kept to the last bit.
+  Image onRim(const Eigen::Vector3d& direction) const;
+  /// Along a disk's boundary, counter-clockwise where the length is positive. start: on it.
+  Image walkRim(const Image& start, double length) const;
+  /// The boundary's unit tangent at a point of it, counter-clockwise.
+  Eigen::Vector3d rimTangent(const Image& at) const;
+  /// The way along the boundary from one point of it counter-clockwise to another.
+  double rimWay(const Image& from, const Image& to) const;
+
   /// Unit normal of a face; 0 where it has no area.
-  const Eigen::Vector3d& normal(Index face) const { return normals_[face]; }
+  const Eigen::Vector3d& normal(Index face) const { return walk_.normal(face); }
 
   /// Whether the three run counter-clockwise, decided without an error.
   static bool isPositive(const Image& a, const Image& b, const Image& c) {
@@ -51,9 +64,9 @@ class SphereDomain {
 
  private:
   const SphereLocator& sphere_;
-  std::vector<Eigen::Vector3d> positions_;
-  std::vector<Eigen::Vector3d> normals_;
-  std::vector<double> twice_areas_;
+  Index pole_;
+  SurfaceWalk walk_;
+  std::optional<DiskRim> rim_;
 };
 
 }  // namespace moduli

@@ -50,6 +50,10 @@ class EvenThinning {
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Index a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
       if (a == u || b == u) continue;
+      if (mesh_.isCap(u, a, b)) {
+        if (!rule_(u, a, b)) return false;
+        continue;
+      }
       const Eigen::Vector3d &p = positions_[a], &q = positions_[b];
       const Eigen::Vector3d before = (p - positions_[v]).cross(q - positions_[v]);
       const Eigen::Vector3d after = (p - positions_[u]).cross(q - positions_[u]);
@@ -103,6 +107,7 @@ struct Collapse {
 Collapse bestCollapse(const RingMesh& mesh, const Positions& positions, const FaceRule& rule,
                       Index v) {
   Collapse best;
+  if (v == mesh.pole()) return best;
   const int bad = badFaces(mesh, rule, v);
   if (bad == 0) return best;
   for (const Index u : mesh.ring(v)) {

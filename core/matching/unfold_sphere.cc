@@ -70,11 +70,29 @@ std::optional<Vector3d> placeIn(const std::vector<Index>& ring, const Points3& p
   return {};
 }
 
+/// The same on the equator, between the neighbours there: `old`, the middle, or beside `neighbour`.
+std::optional<Vector3d> placeOnRim(const RingMesh& mesh, Index v, const Points3& points,
+                                   Index neighbour) {
+  const std::vector<Index>& ring = mesh.ring(v);
+  if (isInKernel(ring, points, points[v])) return points[v];
+  for (const Index other : ring) {
+    if (other == neighbour || !mesh.isRim(other)) continue;
+    for (double share = 0.5; share > std::ldexp(1.0, -kHalvings); share /= 2) {
+      // Of height 0, as both are.
+      const Vector3d p =
+          (points[neighbour] + share * (points[other] - points[neighbour])).normalized();
+      if (isInKernel(ring, points, p)) return p;
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
-Result<Points3> unfoldSphere(Context& context, const TriangleMesh& mesh, Points3 points) {
+Result<Points3> unfoldSphere(Context& context, const TriangleMesh& mesh, Points3 points,
+                             Index pole) {
   RETURN_IF_ERROR(context.check());
-  ASSIGN_OR_RETURN(RingMesh rings, RingMesh::make(mesh.connectivity()));
+  ASSIGN_OR_RETURN(RingMesh rings, RingMesh::make(mesh.connectivity(), pole));
   const FaceRule rule = [&](Index a, Index b, Index c) {
     return spherical::orientationSign(points[a], points[b], points[c]) > 0;
   };
@@ -84,7 +102,9 @@ Result<Points3> unfoldSphere(Context& context, const TriangleMesh& mesh, Points3
   while (rings.vertexCount() < mesh.vertexCount()) {
     const RingMesh::Collapse last = rings.restore();
     const std::optional<Vector3d> place =
-        placeIn(rings.ring(last.removed), points, points[last.removed], last.kept);
+        rings.isRim(last.removed)
+            ? placeOnRim(rings, last.removed, points, last.kept)
+            : placeIn(rings.ring(last.removed), points, points[last.removed], last.kept);
     if (!place) return folded;
     points[last.removed] = *place;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -10,9 +11,13 @@
 #include "core/forms/cotan.h"
 #include "core/intrinsic/flat_charts.h"
 #include "core/intrinsic/mollify.h"
-#include "core/intrinsic/undo_flips.h"
 #include "core/mesh/double_cover.h"
+#include "core/parameterize/flat_faces.h"
+#include "core/parameterize/flatten.h"
+#include "core/parameterize/genus_zero.h"
+#include "core/parameterize/holonomy.h"
 #include "core/parameterize/layout.h"
+#include "core/parameterize/overlaps.h"
 #include "core/ricci/circle_packing.h"
 #include "core/ricci/flow.h"
 #include "core/ricci/mirror_symmetry.h"
@@ -31,6 +36,18 @@ constexpr double kRoughly = 1e-6;
 /// Past these a result is an error.
 constexpr double kMaxResidual = 1e-9;
 constexpr double kMaxClosure = 1e-4;
+constexpr const char* kMap = "the flat layout";
+
+/// A theorem forbids a closed sphere with one cone or two, whatever their curvatures.
+Status checkSphere(const Connectivity& surface, std::size_t cones) {
+  if (surface.eulerCharacteristic() <= 0 || cones == 0 || cones > 2) return {};
+  return {
+      Reason::kInvalidOption,
+      "by the theorem of Gauss and Bonnet the cones of a flat sphere share a curvature of 4 pi, "
+      "and each has less than 2 pi: " +
+          std::string(cones == 1 ? "one cone" : "two cones") + " cannot, three can",
+      "name three cones at least"};
+}
 
 class Flattening {
  public:
@@ -41,23 +58,47 @@ class Flattening {
     bordered_ = !loops_.empty();
   }
 
-  Result<Parameterization> run() {
+  Result<FlatMap> run() {
+    if (!bordered_) {
+      RETURN_IF_ERROR(checkSphere(surface_, options_.cones.size()));
+    }
     ASSIGN_OR_RETURN(target_, flatTarget(surface_, options_.cones, options_.boundary, lengths_));
     RETURN_IF_ERROR(options_.scheme == Scheme::kVertexScaling ? scaleVertices() : packCircles());
+    return layOutFaces({surface_, charts_});
+  }
+
+  /// After a run that folded: with faces cut.
+  Result<FlatMap> runRefined() {
+    ASSIGN_OR_RETURN(FlatFaces faces, refineFlatFaces(context_, surface_, *metric_));
+    return layOutFaces(std::move(faces));
+  }
+
+  bool mayRefine() const { return options_.refine && metric_.has_value(); }
+
+ private:
+  Result<FlatMap> layOutFaces(FlatFaces flat) {
+    const Connectivity& faces = flat.surface;
     const Context::Stage stage(context_, "layout");
     RETURN_IF_ERROR(context_.check());
-    std::vector<bool> is_cone(surface_.vertexCount(), false);
+    std::vector<bool> is_cone(faces.vertexCount(), false);
     for (Index v = 0; v < surface_.vertexCount(); ++v) is_cone[v] = target_[v] != 0;
-    PlanarLayout layout = layOut(surface_, charts_, is_cone);
+    PlanarLayout layout = layOut(faces, flat.charts, is_cone);
     certificate().layout_closure = layout.closure;
     RETURN_IF_ERROR(judgeMetric());
     result_.points = std::move(layout.points);
     result_.corner = std::move(layout.corner);
-    RETURN_IF_ERROR(judgeFaces());
-    return std::move(result_);
+    RETURN_IF_ERROR(judgeFaces(flat));
+    ConeDomain& domain = result_.cones.emplace();
+    domain.cones = options_.cones;
+    if (!bordered_) domain.handle_turns = handleTurns(faces, result_.points, result_.corner);
+    certificate().islands = 1;
+    if (options_.cut_overlaps) {
+      certificate().islands = cutOverlaps(faces, result_.points, result_.corner);
+    }
+    result_.subdivision = flat.subdivision;
+    return FlatMap{result_, std::move(flat)};
   }
 
- private:
   MapCertificate& certificate() { return result_.certificate; }
   bool roundsBoundary() const { return bordered_ && options_.boundary == BoundaryRule::kCircle; }
   bool freesBoundary() const { return bordered_ && options_.boundary == BoundaryRule::kFree; }
@@ -94,7 +135,6 @@ class Flattening {
     int iterations = 0;
     const auto keepHalf = [&](const DiscreteMetric& metric) {
       keep(metric);
-      charts_.resize(3 * static_cast<std::size_t>(cover.face_count));
       iterations += metric.certificate.newton_iterations;
       certificate().newton_iterations = iterations;
       *certificate().gauss_bonnet_residual /= 2;
@@ -153,9 +193,8 @@ class Flattening {
   }
 
   void keep(const DiscreteMetric& metric) {
-    const SignedTriangles faces =
-        undoFlips(Geometry::kEuclidean, metric.triangulation, {metric.half_chords, metric.angles});
-    charts_ = chartsOfTriangles(faces.lengths, faces.angles);
+    metric_ = metric;
+    charts_ = flatFaces(surface_, metric).charts;
     certificate().curvature_residual = metric.certificate.curvature_residual;
     certificate().gauss_bonnet_residual = metric.certificate.gauss_bonnet_residual;
     certificate().newton_iterations = metric.certificate.newton_iterations;
@@ -250,20 +289,24 @@ class Flattening {
   }
 
   /// Scales the layout to the surface's area and compares its faces with the surface's.
-  Status judgeFaces() {
+  Status judgeFaces(FlatFaces& flat) {
+    const Connectivity& faces = flat.surface;
     double area = 0, image = 0;
     for (const double face : faceAreas(surface_, lengths_)) area += face;
-    for (Index f = 0; f < surface_.faceCount(); ++f) image += doubledArea(charts_, f) / 2;
-    certificate().quality = measurePlaneMap(surface_, lengths_, result_.points, result_.corner);
+    for (Index f = 0; f < faces.faceCount(); ++f) image += doubledArea(flat.charts, f) / 2;
+    certificate().quality = measurePlaneMap(
+        faces,
+        flat.subdivision ? subdividedLengths(surface_, lengths_, *flat.subdivision, faces)
+                         : lengths_,
+        result_.points, result_.corner);
     const Index flipped = certificate().quality.flipped_faces;
     if (flipped > 0) {
-      return {Reason::kFoldedMap,
-              "the flat layout turns over " + std::to_string(flipped) + " of " +
-                  std::to_string(surface_.faceCount()) + " faces",
-              "refine the mesh there, or spread the curvature over more cones"};
+      return foldedMap(kMap, flipped, faces.faceCount(),
+                       "refine the mesh there, or spread the curvature over more cones");
     }
     const double scale = std::sqrt(area / image);
     for (std::complex<double>& point : result_.points) point *= scale;
+    for (std::complex<double>& side : flat.charts) side *= scale;
     return {};
   }
 
@@ -274,26 +317,36 @@ class Flattening {
   std::vector<std::vector<Index>> loops_;
   bool bordered_ = false;
   std::vector<double> target_;
+  std::optional<DiscreteMetric> metric_;  ///< Of vertex scaling; of the double.
   FlatCharts charts_;
   Parameterization result_;
 };
 
 }  // namespace
 
+Result<FlatMap> flatten(Context& context, const Connectivity& surface,
+                        const std::vector<double>& lengths, const FlatOptions& options) {
+  ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
+  Flattening first(context, surface, mollified.lengths, options);
+  Result<FlatMap> result = first.run();
+  const auto folds = [&] { return result.status().reason() == Reason::kFoldedMap; };
+  if (folds() && options.scheme == Scheme::kVertexScaling) {
+    FlatOptions other = options;
+    other.initial_delaunay = !options.initial_delaunay;
+    Result<FlatMap> second = Flattening(context, surface, mollified.lengths, other).run();
+    if (second.status().reason() != Reason::kFoldedMap) result = std::move(second);
+  }
+  if (folds() && first.mayRefine()) result = first.runRefined();
+  RETURN_IF_ERROR(result.status());
+  result->map.certificate.mollification = mollified.relative_shift;
+  return result;
+}
+
 Result<Parameterization> parameterizeFlat(Context& context, const Connectivity& surface,
                                           const std::vector<double>& lengths,
                                           const FlatOptions& options) {
-  ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
-  Result<Parameterization> result = Flattening(context, surface, mollified.lengths, options).run();
-  if (result.status().reason() == Reason::kFoldedMap && options.scheme == Scheme::kVertexScaling) {
-    FlatOptions other = options;
-    other.initial_delaunay = !options.initial_delaunay;
-    Result<Parameterization> second = Flattening(context, surface, mollified.lengths, other).run();
-    if (second.status().reason() != Reason::kFoldedMap) result = std::move(second);
-  }
-  RETURN_IF_ERROR(result.status());
-  result->certificate.mollification = mollified.relative_shift;
-  return result;
+  ASSIGN_OR_RETURN(FlatMap flat, flatten(context, surface, lengths, options));
+  return std::move(flat.map);
 }
 
 }  // namespace moduli

@@ -16,7 +16,7 @@ std::string targetOf(const SurfaceTopology& topology) {
   if (topology.components != 1) return "name one with --component";
   if (topology.genus > 0) {
     return loops == 0 && topology.genus == 1
-               ? "--to flat maps it"
+               ? "--to flat maps it, and --to torus to a parallelogram"
                : "--to hyperbolic maps it, and --to flat with cones; --fill-holes and --repair may "
                  "remove handles that are none";
   }

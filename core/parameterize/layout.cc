@@ -20,11 +20,10 @@ class Layout {
       seam_[e] = !unfolding_.crossed[surface_.halfedge(e)];
     }
     prune(is_cone);
-    PlanarLayout layout;
     std::vector<bool> sewn(surface_.halfedgeCount());
     for (Index h = 0; h < surface_.halfedgeCount(); ++h) sewn[h] = !seam_[surface_.edge(h)];
+    PlanarLayout layout = sewCorners(surface_, seam_, unfolding_.placed);
     layout.closure = unfoldingGap(unfolding_, charts_, twin_, sewn);
-    nameCorners(layout);
     return layout;
   }
 
@@ -60,27 +59,6 @@ class Layout {
     }
   }
 
-  /// Corners around a vertex are one point as far as no seam comes between them.
-  void nameCorners(PlanarLayout& layout) const {
-    layout.corner.assign(surface_.halfedgeCount(), kNone);
-    for (Index h = 0; h < surface_.halfedgeCount(); ++h) {
-      if (layout.corner[h] != kNone) continue;
-      const auto point = static_cast<Index>(layout.points.size());
-      layout.points.push_back(unfolding_.placed[h]);
-      // Counter-clockwise up to a seam, then clockwise from the start.
-      for (Index g = h; g != kNone && layout.corner[g] == kNone;) {
-        layout.corner[g] = point;
-        const Index side = Connectivity::previous(g);
-        g = seam_[surface_.edge(side)] ? kNone : surface_.twin(side);
-      }
-      for (Index g = h; !seam_[surface_.edge(g)] && surface_.twin(g) != kNone;) {
-        g = Connectivity::next(surface_.twin(g));
-        if (layout.corner[g] != kNone) break;
-        layout.corner[g] = point;
-      }
-    }
-  }
-
   const Connectivity& surface_;
   const FlatCharts& charts_;
   std::vector<Index> twin_;
@@ -93,6 +71,29 @@ class Layout {
 PlanarLayout layOut(const Connectivity& surface, const FlatCharts& charts,
                     const std::vector<bool>& is_cone) {
   return Layout(surface, charts).run(is_cone);
+}
+
+PlanarLayout sewCorners(const Connectivity& surface, const std::vector<bool>& seam,
+                        const std::vector<std::complex<double>>& placed) {
+  PlanarLayout layout;
+  layout.corner.assign(surface.halfedgeCount(), kNone);
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+    if (layout.corner[h] != kNone) continue;
+    const auto point = static_cast<Index>(layout.points.size());
+    layout.points.push_back(placed[h]);
+    // Counter-clockwise up to a seam, then clockwise from the start.
+    for (Index g = h; g != kNone && layout.corner[g] == kNone;) {
+      layout.corner[g] = point;
+      const Index side = Connectivity::previous(g);
+      g = seam[surface.edge(side)] ? kNone : surface.twin(side);
+    }
+    for (Index g = h; !seam[surface.edge(g)] && surface.twin(g) != kNone;) {
+      g = Connectivity::next(surface.twin(g));
+      if (layout.corner[g] != kNone) break;
+      layout.corner[g] = point;
+    }
+  }
+  return layout;
 }
 
 }  // namespace moduli

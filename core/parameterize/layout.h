@@ -24,4 +24,10 @@ struct PlanarLayout {
 PlanarLayout layOut(const Connectivity& surface, const FlatCharts& charts,
                     const std::vector<bool>& is_cone);
 
+/// Faces that are in place, cut along seams (boundary edges count as such): corners around a vertex
+/// are one point as far as no seam comes between them. seam: per edge; placed: per halfedge where
+/// its tail is. O(F).
+PlanarLayout sewCorners(const Connectivity& surface, const std::vector<bool>& seam,
+                        const std::vector<std::complex<double>>& placed);
+
 }  // namespace moduli

@@ -8,8 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "core/forms/holomorphic.h"
 #include "core/hyperbolic/su11.h"
 #include "core/intrinsic/subdivide.h"
+#include "core/parameterize/affine_atlas.h"
+#include "core/ricci/target_curvature.h"
 #include "core/spherical/circle.h"
 #include "core/spherical/map_quality.h"
 
@@ -46,6 +49,11 @@ struct MapCertificate {
   /// Hyperbolic: of the products around vertices from the identity, of the relation from 1.
   std::optional<double> cycle_residual, relation_residual;
   std::optional<double> spectrum_complete_to;  ///< Of closed geodesics.
+  /// Torus: the largest distance of a face's sides from what the lattice makes of them, in square
+  /// roots of the area. Cones: of the turning around a handle from a multiple of a quarter,
+  /// radians.
+  std::optional<double> holonomy_residual;
+  std::optional<int> islands;  ///< Connected parts of the image, none of which meets another.
   double mollification = 0;
   std::vector<std::string> warnings;
 };
@@ -73,6 +81,37 @@ struct HyperbolicDomain {
   std::vector<double> boundary_lengths;  ///< Per boundary loop.
 };
 
+/// What belongs to a torus that is cut open in the plane.
+struct TorusDomain {
+  /// a > 0 and b, whose multiples carry the image to the copies that fill the plane with it; the
+  /// cell that they span has the area 1.
+  std::array<std::complex<double>, 2> generators;
+  std::complex<double> tau;  ///< b / a, in the fundamental domain of SL(2, Z).
+  /// The marking: closed walks along halfedges of the faces whose images go from 0 to a and to b.
+  /// The cuts, from one vertex, where `is_parallelogram`; otherwise empty.
+  std::array<std::vector<Index>, 2> walks;
+  /// Whether the image has four corners 0, a, b, a + b and between them two sides and their
+  /// translates. Other cuts (of triangulations of a few faces) are some cut graph.
+  bool is_parallelogram = false;
+};
+
+/// What belongs to a flat surface with cones that is cut open in the plane.
+struct ConeDomain {
+  std::vector<Cone> cones;  ///< At vertices of the surface.
+  /// How directions turn around the handles of a closed surface: see handleTurns.
+  std::vector<double> handle_turns;
+};
+
+/// What belongs to an integral of a closed form whose periods are Gaussian integers.
+struct QuadDomain {
+  std::vector<FormZero> zeros;  ///< Of its real part, see zerosOfForm: the indices sum to chi.
+  std::vector<std::complex<double>> periods;  ///< Of the classes alpha_1 .. beta_g, whole numbers.
+  double squares = 0;  ///< Area of the image, counted as often as it covers: a whole number.
+  /// How far the form is from a holomorphic one: sqrt(2 (energy - area) / area), where the energy
+  /// is the mean of those of its two parts.
+  double misfit = 0;
+};
+
 /// A map of the faces of a surface to the plane, continuous but for seams, or to the sphere.
 struct Parameterization {
   /// The faces that are mapped, where they are not those of the surface.
@@ -86,6 +125,10 @@ struct Parameterization {
   std::optional<double> modulus;
   std::vector<Circle> circles;  ///< Of the boundary loops of a circle domain, the outer first.
   std::optional<HyperbolicDomain> hyperbolic;  ///< Of a map to the Poincaré disk.
+  std::optional<TorusDomain> torus;            ///< Of a torus, cut open.
+  std::optional<ConeDomain> cones;             ///< Of a flat metric with cones.
+  std::optional<AffineAtlas> atlas;            ///< Of its faces and vertices, cones left out.
+  std::optional<QuadDomain> quads;             ///< Of a form with whole periods.
   MapMethod method = MapMethod::kAuto;         ///< What was done.
   MapCertificate certificate;
 };

@@ -15,13 +15,6 @@ constexpr double kSame = 1e-9;
 constexpr double kMeeting = 1e-3;
 constexpr int kSamples = 32;
 
-std::string namesOf(const std::vector<Landmark>& landmarks, std::size_t i, std::size_t j) {
-  if (!landmarks[i].name.empty() && !landmarks[j].name.empty()) {
-    return landmarks[i].name + " and " + landmarks[j].name;
-  }
-  return "landmarks " + std::to_string(i) + " and " + std::to_string(j);
-}
-
 /// The smallest distance of two travellers: the best sample, refined by golden sections.
 double nearestMeeting(const Eigen::Vector3d& a, const Eigen::Vector3d& a_target,
                       const Eigen::Vector3d& b, const Eigen::Vector3d& b_target) {
@@ -60,6 +53,13 @@ std::string landmarkName(const std::vector<Landmark>& landmarks, std::size_t i) 
   return landmarks[i].name.empty() ? "landmark " + std::to_string(i) : landmarks[i].name;
 }
 
+std::string landmarkNames(const std::vector<Landmark>& landmarks, std::size_t i, std::size_t j) {
+  if (!landmarks[i].name.empty() && !landmarks[j].name.empty()) {
+    return landmarks[i].name + " and " + landmarks[j].name;
+  }
+  return "landmarks " + std::to_string(i) + " and " + std::to_string(j);
+}
+
 Status checkLandmarks(const Connectivity& surface, const Points3& points,
                       const std::vector<Landmark>& landmarks) {
   Points3 starts;
@@ -72,10 +72,12 @@ Status checkLandmarks(const Connectivity& surface, const Points3& points,
     starts.push_back(spherePoint(surface, points, landmarks[i].point));
     for (std::size_t j = 0; j < i; ++j) {
       if ((starts[i] - starts[j]).norm() <= kSame) {
-        return {Reason::kInvalidOption, namesOf(landmarks, j, i) + " coincide on the surface"};
+        return {Reason::kInvalidOption,
+                landmarkNames(landmarks, j, i) + " coincide on the surface"};
       }
       if ((landmarks[i].target.normalized() - landmarks[j].target.normalized()).norm() <= kSame) {
-        return {Reason::kInvalidOption, namesOf(landmarks, j, i) + " are sent to the same place"};
+        return {Reason::kInvalidOption,
+                landmarkNames(landmarks, j, i) + " are sent to the same place"};
       }
     }
   }
@@ -101,7 +103,8 @@ Status checkPaths(const Context& context, const Connectivity& surface, const Poi
       // Who starts farther apart than both travel cannot meet.
       if (apart > 1.1 * (travel[i] + travel[j])) continue;
       if (nearestMeeting(start[i], end[i], start[j], end[j]) > kMeeting * apart) continue;
-      return {Reason::kInvalidOption, namesOf(landmarks, j, i) + " cross: they meet on their way",
+      return {Reason::kInvalidOption,
+              landmarkNames(landmarks, j, i) + " cross: they meet on their way",
               "turn the map first, by an alignment, or check that they are not exchanged"};
     }
   }

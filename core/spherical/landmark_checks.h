@@ -14,8 +14,9 @@ Eigen::Vector3d alongArc(const Eigen::Vector3d& a, const Eigen::Vector3d& b, dou
 /// Angle between unit vectors, also where it is tiny or near pi.
 double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
 
-/// What messages call landmark i.
+/// What messages call landmark i, and landmarks i and j together.
 std::string landmarkName(const std::vector<Landmark>& landmarks, std::size_t i);
+std::string landmarkNames(const std::vector<Landmark>& landmarks, std::size_t i, std::size_t j);
 
 /// kInvalidOption, by the landmark's name, where one is not on the surface or its target not on
 /// the sphere, or two coincide or are sent to one place. O(k^2).

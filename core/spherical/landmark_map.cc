@@ -28,6 +28,8 @@ constexpr double kMet = 1e-12;
 constexpr double kReach = 1.5;
 /// Pull of conformality on the smoothed coefficients.
 constexpr double kDamping = 0.3;
+/// Landmarks this near to a fold have to do with it.
+constexpr double kNear = 0.3;
 /// A round of polishing that gains less than this part is the last.
 constexpr double kWorthwhile = 0.01;
 
@@ -84,10 +86,12 @@ class LandmarkHomotopy {
       } else {
         step /= 2;
         ++halvings_;
-        if (++halvings > options_.max_halvings) return foldedMap(done);
+        if (++halvings <= options_.max_halvings) continue;
+        if (!options_.partly) return foldedMap(done);
+        break;
       }
     }
-    return polish(context);
+    return done < 1 ? Status() : polish(context);
   }
 
   const Points3& points() const { return points_; }
@@ -189,15 +193,25 @@ class LandmarkHomotopy {
     return sum;
   }
 
-  /// Names the landmark nearest to the last fold.
+  /// Names the landmark nearest to the last fold, and the next one if it is near, too.
   Status foldedMap(double done) const {
-    std::size_t nearest = 0;
-    for (std::size_t i = 1; i < pins_.size(); ++i) {
-      if ((pins_[i].target - fold_).norm() < (pins_[nearest].target - fold_).norm()) nearest = i;
+    std::vector<std::pair<double, std::size_t>> near;
+    for (std::size_t i = 0; i < pins_.size(); ++i) {
+      near.emplace_back((pins_[i].target - fold_).norm(), i);
+    }
+    std::sort(near.begin(), near.end());
+    const std::string percent = std::to_string(static_cast<int>(100 * done)) + " percent";
+    if (near.size() > 1 && near[1].first < kNear) {
+      const auto [first, second] = std::minmax(near[0].second, near[1].second);
+      return {Reason::kFoldedMap,
+              spherical::landmarkNames(landmarks_, first, second) +
+                  " contradict each other: faces between them fold beyond " + percent +
+                  " of their way",
+              "leave one of them out, or refine the mesh between them"};
     }
     return {Reason::kFoldedMap,
-            spherical::landmarkName(landmarks_, nearest) + " folds the map beyond " +
-                std::to_string(static_cast<int>(100 * done)) + " percent of its way",
+            spherical::landmarkName(landmarks_, near[0].second) + " folds the map beyond " +
+                percent + " of its way",
             "align the spheres first, leave that landmark out, or refine the mesh near it"};
   }
 
@@ -288,7 +302,9 @@ Result<LandmarkMap> meetLandmarks(Context& context, const Connectivity& surface,
     if (options.align) {
       ASSIGN_OR_RETURN(map.points, aligned(surface, std::move(map.points), landmarks, options));
     }
-    RETURN_IF_ERROR(spherical::checkPaths(context, surface, map.points, landmarks));
+    if (!options.partly) {
+      RETURN_IF_ERROR(spherical::checkPaths(context, surface, map.points, landmarks));
+    }
     ASSIGN_OR_RETURN(const BeltramiField field, BeltramiField::make(context, surface, map.points,
                                                                     options.smoothing, kDamping));
     LandmarkHomotopy homotopy(surface, field, std::move(map.points), landmarks, options);

@@ -38,6 +38,8 @@ struct LandmarkMapOptions {
   double longest_step = 0.1;  ///< Radians: how far landmarks go at once, before any halving.
   int max_halvings = 10;
   int polishing = 10;  ///< Rounds at the end, with the landmarks in place.
+  /// Where landmarks contradict each other, goes as far as no face folds instead of failing.
+  bool partly = false;
 };
 
 struct LandmarkMap {
@@ -65,11 +67,11 @@ struct LandmarkMap {
 /// Fails with kUnsupportedTopology (not closed), kInvalidOption naming the landmark (not on the
 /// surface; target not a unit vector to 1e-6 or, once aligned, opposite to where the landmark is;
 /// two landmarks coincide, are sent to one place, or meet on their way), kFoldedMap (the given map
-/// folds, or none without folds was found: the message names the landmark nearest to the fold) and
-/// as SpdSolver. Two factorizations of a fourth-order operator a step (four where the first attempt
-/// folds), about ten steps a radian, and four a round of polishing.
-/// Source: after Lam and Lui 2014 (smoothed coefficients and the linear Beltrami system in turn);
-/// MATH 2.3 (c), 9.1, 9.2.
+/// folds, or none without folds was found: the message names the landmark nearest to the fold, and
+/// another one if it is near, too) and as SpdSolver. Two factorizations of a fourth-order operator
+/// a step (four where the first attempt folds), about ten steps a radian, and four a round of
+/// polishing. Source: after Lam and Lui 2014 (smoothed coefficients and the linear Beltrami system
+/// in turn); MATH 2.3 (c), 9.1, 9.2.
 Result<LandmarkMap> meetLandmarks(Context& context, const Connectivity& surface,
                                   const std::vector<double>& lengths, Points3 points,
                                   const std::vector<Landmark>& landmarks,

@@ -187,16 +187,16 @@ Result<std::vector<SphereCurve>> curvesOnSurfaces(
   return curves;
 }
 
-Result<std::vector<MatchLandmark>> matchLandmarks(const v1::MatchOptions& options, const Subject& a,
-                                                  const Subject& b) {
+Result<std::vector<MatchLandmark>> matchLandmarks(
+    const google::protobuf::RepeatedPtrField<v1::LandmarkPair>& pairs,
+    const google::protobuf::RepeatedPtrField<v1::LandmarkCurve>& curves, const Subject& a,
+    const Subject& b) {
   const LandmarkSurfaces surfaces{a, b, "the second surface"};
   MatchLandmarks result(surfaces);
-  ASSIGN_OR_RETURN(std::vector<SphereLandmark> landmarks,
-                   landmarksOnSurfaces(options.landmarks(), surfaces));
+  ASSIGN_OR_RETURN(std::vector<SphereLandmark> landmarks, landmarksOnSurfaces(pairs, surfaces));
   for (SphereLandmark& landmark : landmarks) result.add(std::move(landmark));
-  ASSIGN_OR_RETURN(const std::vector<SphereCurve> curves,
-                   curvesOnSurfaces(options.curves(), surfaces));
-  for (const SphereCurve& curve : curves) RETURN_IF_ERROR(result.add(curve));
+  ASSIGN_OR_RETURN(const std::vector<SphereCurve> found, curvesOnSurfaces(curves, surfaces));
+  for (const SphereCurve& curve : found) RETURN_IF_ERROR(result.add(curve));
   return result.take();
 }
 

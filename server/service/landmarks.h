@@ -35,7 +35,9 @@ Result<std::vector<SphereCurve>> curvesOnSurfaces(
 
 /// Landmarks and points of curves together, pairs of vertices once. Fails as the two above and
 /// resampleCurve do.
-Result<std::vector<MatchLandmark>> matchLandmarks(const v1::MatchOptions& options, const Subject& a,
-                                                  const Subject& b);
+Result<std::vector<MatchLandmark>> matchLandmarks(
+    const google::protobuf::RepeatedPtrField<v1::LandmarkPair>& pairs,
+    const google::protobuf::RepeatedPtrField<v1::LandmarkCurve>& curves, const Subject& a,
+    const Subject& b);
 
 }  // namespace moduli

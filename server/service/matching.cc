@@ -100,7 +100,12 @@ Result<MatchedMeshes> matchMeshes(Context& context, const Backend& backend,
   ASSIGN_OR_RETURN(const Side b, loadSide(context, backend, request.b(), request.prepare(),
                                           "the second surface"));
   MatchOptions options = fromProto(request.options());
-  ASSIGN_OR_RETURN(options.landmarks, matchLandmarks(request.options(), a.subject, b.subject));
+  const v1::MatchOptions& wanted = request.options();
+  ASSIGN_OR_RETURN(options.landmarks,
+                   matchLandmarks(wanted.landmarks(), wanted.curves(), a.subject, b.subject));
+  ASSIGN_OR_RETURN(
+      options.soft_landmarks,
+      matchLandmarks(wanted.soft_landmarks(), wanted.soft_curves(), a.subject, b.subject));
   ASSIGN_OR_RETURN(const SurfaceMatch match, matchSurfaces(context, a.subject.prepared->mesh,
                                                            b.subject.prepared->mesh, options));
   MatchedMeshes result;

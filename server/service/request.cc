@@ -208,9 +208,10 @@ bool isSound(const v1::SurfacePoint& point) {
   return std::abs(sum - 1) <= 1e-3;
 }
 
-/// message: with landmarks and curves. second: what the other surface is called.
-template <typename Message>
-Refusal checkLandmarks(const Message& message, const std::string& field,
+/// prefix: of the fields' names, "" or "soft_". second: what the other surface is called.
+Refusal checkLandmarks(const google::protobuf::RepeatedPtrField<v1::LandmarkPair>& landmarks,
+                       const google::protobuf::RepeatedPtrField<v1::LandmarkCurve>& curves,
+                       const std::string& field, const std::string& prefix,
                        const std::string& second) {
   const auto refuse = [](const std::string& name, const std::string& why,
                          const std::string& where) {
@@ -218,10 +219,10 @@ Refusal checkLandmarks(const Message& message, const std::string& field,
                     "give a vertex, or a face and three weights of sum 1, of both surfaces"},
                    where};
   };
-  int count = message.landmarks_size();
-  for (int i = 0; i < message.landmarks_size(); ++i) {
-    const v1::LandmarkPair& pair = message.landmarks(i);
-    const std::string where = field + ".landmarks[" + std::to_string(i) + "]";
+  int count = landmarks.size();
+  for (int i = 0; i < landmarks.size(); ++i) {
+    const v1::LandmarkPair& pair = landmarks[i];
+    const std::string where = field + "." + prefix + "landmarks[" + std::to_string(i) + "]";
     if (!isSound(pair.point())) {
       return refuse(pair.name(), "a landmark is no point of a surface", where + ".point");
     }
@@ -229,9 +230,9 @@ Refusal checkLandmarks(const Message& message, const std::string& field,
       return refuse(pair.name(), "a landmark is no point of " + second, where + ".reference");
     }
   }
-  for (int i = 0; i < message.curves_size(); ++i) {
-    const v1::LandmarkCurve& curve = message.curves(i);
-    const std::string where = field + ".curves[" + std::to_string(i) + "]";
+  for (int i = 0; i < curves.size(); ++i) {
+    const v1::LandmarkCurve& curve = curves[i];
+    const std::string where = field + "." + prefix + "curves[" + std::to_string(i) + "]";
     if (curve.count() < 2 || curve.count() > kMostOfCurve) {
       return refuse(curve.name(),
                     "a curve of " + std::to_string(curve.count()) + " landmarks, not 2 to " +
@@ -296,9 +297,9 @@ Refusal checkRegistration(const v1::ParameterizationOptions& options, const std:
             parent + ".mobius"};
   }
   const v1::SphereRegistration& registration = options.registration();
-  return firstOf(checkSource(registration.reference(), field + ".reference"),
-                 checkFields(registration, field),
-                 checkLandmarks(registration, field, "the reference"));
+  return firstOf(
+      checkSource(registration.reference(), field + ".reference"), checkFields(registration, field),
+      checkLandmarks(registration.landmarks(), registration.curves(), field, "", "the reference"));
 }
 
 }  // namespace
@@ -323,7 +324,14 @@ Refusal checkParameterization(const v1::ParameterizationOptions& options,
 }
 
 Refusal checkMatch(const v1::MatchOptions& options, const std::string& field) {
-  return checkLandmarks(options, field, "the second surface");
+  const std::string second = "the second surface";
+  if (options.alternative() < 0) {
+    return {{Reason::kInvalidOption, "the number of an answer is negative", "0 is the best one"},
+            field + ".alternative"};
+  }
+  return firstOf(
+      checkLandmarks(options.landmarks(), options.curves(), field, "", second),
+      checkLandmarks(options.soft_landmarks(), options.soft_curves(), field, "soft_", second));
 }
 
 }  // namespace moduli

@@ -36,6 +36,7 @@
 #include "core/topology/surface_topology.h"
 #include "tests/bench/case.h"
 #include "tests/bench/hyperbolic_bench.h"
+#include "tests/bench/matching_bench.h"
 
 namespace moduli {
 namespace {
@@ -251,6 +252,7 @@ void registerMesh(const std::shared_ptr<Case>& mesh) {
   }
   registerMaps(mesh);
   registerHyperbolic(mesh);
+  registerMatching(mesh);
   add("signature", benchSignature);
 }
 

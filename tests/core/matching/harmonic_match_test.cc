@@ -112,12 +112,14 @@ TEST(HarmonicMatch, IsNearTheIdentityOfASurfaceAndNearerWithShorterSmoothing) {
 }
 
 TEST(HarmonicMatch, NeverFoldsWhateverTheTargets) {
-  // Noise as large as this leaves no face of the targets as it was.
-  for (const TriangleSoup& soup : {lumpyTorus(24, 2), lumpyPlate(8, 2)}) {
-    const TriangleMesh mesh = meshOf(soup);
+  // Noise as large as this leaves no face of the targets as it was. At so short a smoothing a few
+  // faces of the torus fold, beside which targets fall silent, and many of the plate, for which it
+  // is made longer.
+  for (const bool is_torus : {true, false}) {
+    const TriangleMesh mesh = meshOf(is_torus ? lumpyTorus(24, 2) : lumpyPlate(8, 2));
     const CoverSurface cover = coverOf(mesh);
     const auto match = matched(mesh, cover, disturbed(mesh, sameNumbers(mesh)), 0.0003);
-    EXPECT_GT(match.smoothing, 0.0003);  // Such short smoothing would fold.
+    EXPECT_EQ(match.smoothing == 0.0003, is_torus);
     const auto smooth = matched(mesh, cover, disturbed(mesh, sameNumbers(mesh)), 0.04);
     const MapErrors errors = errorsOf(mesh, smooth.map.images, mesh.positions());
     std::cout << "replaced " << smooth.replaced << ", smoothing " << match.smoothing << " and "
@@ -158,7 +160,7 @@ TEST(HarmonicMatch, LeadsThereAndBack) {
   const TriangleSoup soup = lumpyPlate(4, 2);
   const TriangleMesh b = meshOf(soup);
   const TriangleMesh a = meshOf(simplified(soup, soup.faces.size() / 2));
-  const auto match = matchHandles(context, a, b, vertexTargets(b, nearestVertices(a, b)));
+  const auto match = matchHandles(context, a, b, vertexTargets(b, nearestVertices(a, b)), false);
   ASSERT_OK(match);
   // Both ways are of straight faces, of one surface and the other: they differ within a face.
   EXPECT_LT(

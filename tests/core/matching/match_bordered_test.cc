@@ -6,8 +6,8 @@
 #include <map>
 #include <utility>
 
-#include "core/matching/chords.h"
 #include "core/matching/map_report.h"
+#include "core/matching/split_surface.h"
 #include "core/mesh/double_cover.h"
 #include "core/mesh/read.h"
 #include "core/topology/surface_topology.h"
@@ -81,7 +81,7 @@ TriangleSoup cutInFour(const TriangleSoup& soup) {
 }
 
 TriangleMesh chordFree(const TriangleSoup& soup) {
-  return splitChords(meshOf(soup))->mesh;
+  return SplitSurface::make(meshOf(soup))->mesh();
 }
 
 // Images of the boundary are on the boundary to the last bit, and nothing else is.

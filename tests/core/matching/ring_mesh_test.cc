@@ -6,6 +6,8 @@
 #include <random>
 #include <set>
 
+#include "core/matching/capped_disk.h"
+#include "tests/core/matching/disk_samples.h"
 #include "tests/core/spherical/surfaces.h"
 
 namespace moduli {
@@ -79,6 +81,69 @@ TEST(RingMesh, IsASphereAfterEveryCollapseAndComesBackAsItWas) {
     if (::testing::Test::HasFailure()) return;
   }
   for (Index v = 0; v < count; ++v) EXPECT_EQ(normalized(rings.ring(v)), before[v]);
+}
+
+/// No edge inside joins vertices of the boundary, and no face of the disk has all corners there.
+void expectDisk(const RingMesh& rings) {
+  const std::vector<Index>& rim = rings.ring(rings.pole());
+  ASSERT_GE(rim.size(), 3u);
+  for (const Index v : rim) {
+    EXPECT_TRUE(rings.isRim(v));
+    const std::vector<Index>& ring = rings.ring(v);
+    EXPECT_EQ(std::count_if(ring.begin(), ring.end(), [&](Index w) { return rings.isRim(w); }), 2);
+    EXPECT_GE(ring.size(), 4u);
+  }
+}
+
+TEST(RingMesh, OfADiskStaysOneAndComesBackAsItWas) {
+  const TriangleMesh flat = mesh(sample("disk", {{"resolution", 4}, {"seed", 2}}));
+  const TriangleMesh capped = *cappedDisk(flat);
+  const Index count = capped.vertexCount(), pole = count - 1;
+  auto made = RingMesh::make(capped.connectivity(), pole);
+  ASSERT_OK(made);
+  RingMesh& rings = *made;
+  std::vector<std::vector<Index>> before;
+  for (Index v = 0; v < count; ++v) before.push_back(normalized(rings.ring(v)));
+  EXPECT_TRUE(rings.isCap(3, pole, 4));
+  EXPECT_FALSE(rings.isCap(3, 5, 4));
+  rings.hold(7);
+  expectDisk(rings);
+
+  std::mt19937 random(4);
+  int collapses = 0;
+  for (int attempt = 0; attempt < 100000 && rings.vertexCount() > 5; ++attempt) {
+    const auto v = static_cast<Index>(random() % count);
+    if (!rings.isPresent(v)) continue;
+    const Index u = rings.ring(v)[random() % rings.ring(v).size()];
+    if (!rings.canCollapse(v, u)) continue;
+    EXPECT_TRUE(!rings.isRim(v) || rings.isRim(u));
+    rings.collapse(v, u);
+    ++collapses;
+    expectSphere(rings, count);
+    expectDisk(rings);
+    if (::testing::Test::HasFailure()) return;
+  }
+  // A boundary of three around one vertex, which is the one that is held.
+  EXPECT_EQ(rings.vertexCount(), 5);
+  EXPECT_TRUE(rings.isPresent(7));
+  EXPECT_TRUE(rings.isPresent(pole));
+  for (; collapses > 0; --collapses) rings.restore();
+  for (Index v = 0; v < count; ++v) EXPECT_EQ(normalized(rings.ring(v)), before[v]);
+}
+
+TEST(RingMesh, OfADiskKeepsTheLastVertexInside) {
+  const TriangleMesh disk = *TriangleMesh::fromSoup(
+      {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}});
+  const TriangleMesh capped = *cappedDisk(disk);
+  auto rings = RingMesh::make(capped.connectivity(), 4);
+  ASSERT_OK(rings);
+  for (const Index v : {1, 2, 3}) EXPECT_FALSE(rings->canCollapse(0, v));
+}
+
+TEST(RingMesh, RefusesADiskWithAnEdgeAcross) {
+  const TriangleMesh square = *TriangleMesh::fromSoup(twoTriangles());
+  const TriangleMesh capped = *cappedDisk(square);
+  EXPECT_THAT(RingMesh::make(capped.connectivity(), 4), FailsWith(Reason::kUnsupportedTopology));
 }
 
 TEST(RingMesh, ATetrahedronKeepsItsVertices) {

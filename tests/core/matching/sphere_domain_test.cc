@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
+#include "core/matching/capped_disk.h"
+#include "tests/core/matching/disk_samples.h"
 #include "tests/core/spherical/sphere_testing.h"
 
 namespace moduli {
@@ -103,6 +106,44 @@ TEST(SphereDomain, KeepsGivenDirectionsAndKnowsClearance) {
   EXPECT_NEAR(SphereDomain::clearance(x, y, z), 0.5, 1e-15);  // Determinant 1, sides sqrt 2.
   EXPECT_EQ(SphereDomain::clearance(x, z, y), 0);
   EXPECT_EQ(SphereDomain::clearance(x, y, x), 0);
+}
+
+TEST(DiskDomain, AWalkEndsAtTheBoundary) {
+  Context context;
+  const TriangleMesh disk = *TriangleMesh::fromSoup(shield(8, 2));
+  const TriangleMesh capped = *cappedDisk(disk);
+  const Index pole = disk.vertexCount();
+  const auto points = conformalHemisphere(context, disk, capped, true);
+  ASSERT_OK(points);
+  const SphereLocator sphere = *SphereLocator::make(capped.connectivity(), *points);
+  const SphereDomain domain(sphere, capped.positions(), 1, pole);
+  for (const double angle : {0.0, 1.0, 2.0, 3.0, 4.0, 5.0}) {
+    const Image start = domain.at(Eigen::Vector3d(0.1, 0.2, 1));
+    const Image end = domain.walk(start, 10 * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0));
+    EXPECT_LT(end.point.face, disk.faceCount());
+    EXPECT_NEAR(end.direction.z(), 0, 1e-15);
+  }
+}
+
+TEST(DiskDomain, WalksAlongTheBoundary) {
+  Context context;
+  const TriangleMesh disk = *TriangleMesh::fromSoup(shield(8, 2));
+  const TriangleMesh capped = *cappedDisk(disk);
+  const auto points = conformalHemisphere(context, disk, capped, true);
+  ASSERT_OK(points);
+  const SphereLocator sphere = *SphereLocator::make(capped.connectivity(), *points);
+  const SphereDomain domain(sphere, capped.positions(), 1, disk.vertexCount());
+  const Image start = domain.onRim(Eigen::Vector3d(0.6, 0.8, 0.3));
+  EXPECT_NEAR((start.direction - Eigen::Vector3d(0.6, 0.8, 0)).norm(), 0, 1e-15);
+  const Image there = domain.walkRim(start, 1.3);
+  EXPECT_EQ(there.direction.z(), 0);
+  EXPECT_NEAR(domain.rimWay(start, there), 1.3, 1e-12);
+  const Image back = domain.walkRim(there, -1.3);
+  EXPECT_LT((back.direction - start.direction).norm(), 1e-12);
+  // A short step goes along the tangent, counter-clockwise.
+  const Image near = domain.walkRim(start, 1e-6);
+  EXPECT_LT((near.space - start.space - 1e-6 * domain.rimTangent(start)).norm(), 1e-14);
+  EXPECT_GT(start.direction.cross(near.direction).z(), 0);
 }
 
 }  // namespace

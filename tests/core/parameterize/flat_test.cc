@@ -11,6 +11,7 @@
 
 #include "core/intrinsic/geometry.h"
 #include "core/mesh/samples.h"
+#include "core/parameterize/overlaps.h"
 #include "core/topology/surface_topology.h"
 #include "tests/core/forms/glued_surfaces.h"
 #include "tests/core/parameterize/layout_checks.h"
@@ -47,11 +48,15 @@ double areaOf(const MetricSurface& metric) {
   return area;
 }
 
-/// What every result is held to: a disk of faces the right way up, of the surface's area.
+/// What every result is held to: a disk of faces the right way up, of the surface's area, cut into
+/// islands where it lies on itself.
 void expectSound(const MetricSurface& metric, const Parameterization& flat) {
   const PlanarFaces faces = facesOf(metric, flat);
   ASSERT_TRUE(faces.namesAllCorners());
-  EXPECT_EQ(faces.eulerCharacteristic(), 1);
+  EXPECT_EQ(countOverlaps(flat.points, flat.corner), 0);
+  if (*flat.certificate.islands == 1) {
+    EXPECT_EQ(faces.eulerCharacteristic(), 1);
+  }
   double area = 0;
   for (Index f = 0; f < metric.surface.faceCount(); ++f) {
     EXPECT_GT(faces.doubledArea(f), 0);
@@ -282,7 +287,58 @@ TEST(ParameterizeFlat, HasTheConesOfASphere) {
     ASSERT_OK(flat);
     expectSound(sphere, *flat);
     expectCones(sphere, *flat, cones);
+    ASSERT_EQ(flat->cones->cones.size(), cones.size());
+    EXPECT_THAT(flat->cones->handle_turns, ::testing::IsEmpty());
+    // Uncut, the same layout is a disk; it may lie on itself.
+    options.cut_overlaps = false;
+    const auto whole = flatten(sphere, options);
+    ASSERT_OK(whole);
+    EXPECT_EQ(facesOf(sphere, *whole).eulerCharacteristic(), 1);
+    EXPECT_EQ(countOverlaps(whole->points, whole->corner) == 0, *flat->certificate.islands == 1);
   }
+}
+
+TEST(ParameterizeFlat, CutsFacesThatFold) {
+  const MetricSurface torus = insertNearCorners(
+      sample("torus", {{"R", 1.2}, {"r", 1}, {"resolution", 6}, {"seed", 2}}), 0.02, 4);
+  FlatOptions options;
+  options.cones = {{0, 1}, {20, -1}};
+  options.refine = false;
+  EXPECT_THAT(flatten(torus, options), FailsWith(Reason::kFoldedMap));
+  options.refine = true;
+  const auto flat = flatten(torus, options);
+  ASSERT_OK(flat);
+  ASSERT_TRUE(flat->subdivision.has_value());
+  const auto surface = Connectivity::fromFaces(
+      torus.surface.vertexCount() + static_cast<Index>(flat->subdivision->vertices.size()),
+      flat->subdivision->faces);
+  ASSERT_OK(surface);
+  const MetricSurface refined{
+      *surface, subdividedLengths(torus.surface, torus.lengths, *flat->subdivision, *surface)};
+  expectSound(refined, *flat);
+  expectCones(refined, *flat, options.cones);
+}
+
+TEST(ParameterizeFlat, CutsFoldedFacesOfADisk) {
+  // Of a surface with boundary, the faces of one half of its double.
+  const MetricSurface disk =
+      insertNearCorners(sample("disk", {{"resolution", 4}, {"seed", 2}}), 0.004, 4);
+  FlatOptions options;
+  options.boundary = BoundaryRule::kStraight;
+  options.cones = {{0, -0.5 * kPi}};
+  Index first = 0;
+  for (Index v = 0; v < disk.surface.vertexCount() && options.cones.size() < 6; ++v) {
+    if (disk.surface.isBoundaryVertex(v) && first++ % 4 == 0) options.cones.push_back({v, kPi / 2});
+  }
+  ASSERT_EQ(options.cones.size(), 6U);
+  options.refine = false;
+  EXPECT_THAT(flatten(disk, options), FailsWith(Reason::kFoldedMap));
+  options.refine = true;
+  const auto flat = flatten(disk, options);
+  ASSERT_OK(flat);
+  ASSERT_TRUE(flat->subdivision.has_value());
+  EXPECT_EQ(flat->certificate.quality.flipped_faces, 0);
+  EXPECT_EQ(countOverlaps(flat->points, flat->corner), 0);
 }
 
 TEST(ParameterizeFlat, HasTheConesOfASurfaceOfGenusTwo) {
@@ -347,6 +403,11 @@ TEST(ParameterizeFlat, RefusesWhatHasNoMetric) {
   const MetricSurface sphere = sample("sphere", {{"resolution", 2}});
   FlatOptions options;
   EXPECT_THAT(flatten(sphere, options), FailsWith(Reason::kInvalidOption));
+  options.cones = {{0, 4 * kPi}};
+  EXPECT_THAT(flatten(sphere, options), FailsWith(Reason::kInvalidOption));
+  EXPECT_EQ(flatten(sphere, options).status().message(),
+            "by the theorem of Gauss and Bonnet the cones of a flat sphere share a curvature of "
+            "4 pi, and each has less than 2 pi: one cone cannot, three can");
   options.cones = {{0, 2 * kPi}, {1, kPi}, {2, kPi}};
   EXPECT_THAT(flatten(sphere, options), FailsWith(Reason::kInvalidOption));
   options.cones = {{0, kPi}, {0, kPi}, {1, kPi}, {2, kPi}};

@@ -309,6 +309,48 @@ TEST(MeetLandmarks, NamesTheLandmarkThatFoldsACoarseMesh) {
   EXPECT_THAT(result.status().message(), testing::HasSubstr("landmark"));
 }
 
+/// The corners of a face: two stay, the third one goes through between them.
+std::vector<Landmark> turnedOver(const MappedSurface& map) {
+  const auto& [a, b, c] = map.surface().face(17);
+  const Eigen::Vector3d middle = (map.points[a] + map.points[b]).normalized();
+  std::vector<Landmark> landmarks;
+  for (const Index v : {a, b, c}) {
+    landmarks.push_back(
+        {vertexPoint(map.surface(), v), map.points[v], "mark " + std::to_string(v)});
+  }
+  landmarks[2].target = (2 * middle.dot(map.points[c]) * middle - map.points[c]).normalized();
+  return landmarks;
+}
+
+TEST(MeetLandmarks, NamesTwoThatContradictEachOther) {
+  const MappedSurface map = surfaces::roundSphere(8, 0);
+  const std::vector<Landmark> landmarks = turnedOver(map);
+  LandmarkMapOptions options;
+  options.align = false;
+  const auto result = met(map, landmarks, options);
+  EXPECT_THAT(result, FailsWith(Reason::kFoldedMap));
+  const std::string message = result.status().message();
+  EXPECT_THAT(message, testing::HasSubstr("contradict each other"));
+  const auto named = [&](const Landmark& landmark) {
+    return message.find(landmark.name + " ") != std::string::npos;
+  };
+  EXPECT_EQ(std::count_if(landmarks.begin(), landmarks.end(), named), 2) << message;
+}
+
+TEST(MeetLandmarks, GoesAsFarAsItCanWhereThatIsEnough) {
+  const MappedSurface map = surfaces::roundSphere(8, 0);
+  const std::vector<Landmark> landmarks = turnedOver(map);
+  LandmarkMapOptions options;
+  options.align = false;
+  options.partly = true;
+  const auto result = met(map, landmarks, options);
+  ASSERT_OK(result);
+  EXPECT_EQ(result->quality.flipped_faces, 0);
+  EXPECT_GT(result->distances[2], 0.01);
+  EXPECT_LT(result->distances[2],
+            (landmarks[2].target - map.points[map.surface().face(17)[2]]).norm());
+}
+
 TEST(MeetLandmarks, RefusesFoldedMapsAndOpenSurfaces) {
   MappedSurface map = surfaces::roundSphere(4, 0);
   const auto landmarks = surfaces::randomLandmarks(map, 2, 0.2, true, 4);

@@ -157,6 +157,12 @@ TEST(CheckMatch, NamesTheFieldThatIsWrong) {
   options.mutable_landmarks()->RemoveLast();
   options.add_curves()->set_count(1);
   EXPECT_EQ(checkMatch(options, "options").field, "options.curves[0].count");
+  options.clear_curves();
+  options.add_soft_landmarks();
+  EXPECT_EQ(checkMatch(options, "options").field, "options.soft_landmarks[0].point");
+  options.clear_soft_landmarks();
+  options.add_soft_curves();
+  EXPECT_EQ(checkMatch(options, "options").field, "options.soft_curves[0].count");
 }
 
 TEST(ConvertMatching, KeepsNumbersAndLeavesOutWhatIsNotFinite) {
@@ -176,6 +182,7 @@ TEST(ConvertMatching, KeepsNumbersAndLeavesOutWhatIsNotFinite) {
   EXPECT_EQ(message.certificate().area_distortion(), 0.125);
   EXPECT_EQ(message.certificate().cycle_error(), 0.0625);
   EXPECT_FALSE(message.certificate().has_landmark_error());
+  EXPECT_FALSE(message.certificate().has_soft_landmark_error());
   EXPECT_FALSE(message.certificate().has_defect());
   ASSERT_EQ(message.alternatives_size(), 1);
   EXPECT_EQ(message.alternatives(0).method(), v1::SurfaceMatch::NEAR_ISOMETRY);
