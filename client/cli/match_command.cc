@@ -32,6 +32,7 @@ Result<v1::MatchOptions> optionsOf(const Arguments& arguments) {
   if (arguments.has("initial-delaunay")) {
     options.set_initial_delaunay(arguments.text("initial-delaunay") == "on");
   }
+  options.set_alternative(arguments.integer("alternative", 0));
   if (arguments.has("landmarks")) {
     ASSIGN_OR_RETURN(v1::SphereRegistration landmarks, readLandmarks(arguments.text("landmarks")));
     options.mutable_landmarks()->Swap(landmarks.mutable_landmarks());
@@ -247,6 +248,11 @@ std::vector<OptionSpec> matchOptions() {
                "else near them, but "
                "may miss",
        .completion = Completion::kFile},
+      {.names = "--alternative",
+       .value = "K",
+       .help = "The K-th of the other answers that the best one lists, as symmetric surfaces have "
+               "them",
+       .check = isPositiveInteger},
       {.names = "--same-triangulation",
        .value = "on|off",
        .help = "Whether meshes that differ by the numbering and the places of their vertices alone "

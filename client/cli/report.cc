@@ -386,6 +386,9 @@ std::string matchQualityLines(const v1::MatchCertificate& certificate) {
   if (certificate.has_soft_landmark_error()) {
     met.push_back("soft landmarks are missed by up to " + brief(certificate.soft_landmark_error()));
   }
+  if (certificate.has_teichmuller_distance()) {
+    met.push_back("Teichmüller distance " + brief(certificate.teichmuller_distance()));
+  }
   if (certificate.has_defect()) {
     met.push_back("defect of the modes " + brief(certificate.defect()));
   }

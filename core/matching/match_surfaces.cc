@@ -16,6 +16,7 @@
 #include "core/matching/space_mobius.h"
 #include "core/matching/spectral_match.h"
 #include "core/matching/split_surface.h"
+#include "core/matching/torus_map.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli {
@@ -91,8 +92,8 @@ class Matching {
         options_.soft_landmarks.empty()) {
       ASSIGN_OR_RETURN(same, sameTriangulations(context_, a_.connectivity(), b_.connectivity()));
     }
-    if (same.size() == 1) return takeTriangulation(same.front());
-    ASSIGN_OR_RETURN(const SpectralGuess guess, bestGuess());
+    if (same.size() == 1 && options_.alternative == 0) return takeTriangulation(same.front());
+    ASSIGN_OR_RETURN(const SpectralGuess guess, wantedGuess());
     result_.method = guess.method;
     result_.defect = guess.match.defect;
     const std::optional<std::size_t> nearest = clearlyNearest(same, guess.points);
@@ -230,20 +231,41 @@ class Matching {
     return Pair(**std::move(first), **std::move(second));
   }
 
-  Status prepare() {
-    if (own_) return {};
-    ASSIGN_OR_RETURN(Pair pair, spectralPair(MatchMetric::kOwn));
-    own_.emplace(std::move(pair));
-    return {};
+  /// The matches by one metric, best first, and what they look at.
+  struct Answers {
+    MatchMethod method = MatchMethod::kNearIsometry;
+    Pair surfaces;
+    std::vector<SpectralMatch> matches;
+  };
+  /// One of them.
+  struct Answer {
+    const Answers* by = nullptr;
+    const SpectralMatch* match = nullptr;
+  };
+
+  Result<Answers> answersBy(MatchMethod method) {
+    const bool mobius = method == MatchMethod::kMobius;
+    ASSIGN_OR_RETURN(Pair pair, spectralPair(mobius ? MatchMetric::kMobius : MatchMetric::kOwn));
+    ASSIGN_OR_RETURN(std::vector<SpectralMatch> matches,
+                     matchSpectra(context_, pair.first, pair.second));
+    return Answers{method, std::move(pair), std::move(matches)};
   }
 
-  /// The best match by either metric; tells of the others.
-  Result<SpectralGuess> bestGuess() {
-    std::vector<MatchAlternative> all;
+  /// The match by either metric that is wanted; tells of the others.
+  Result<SpectralGuess> wantedGuess() {
+    ASSIGN_OR_RETURN(const Answers own, answersBy(MatchMethod::kNearIsometry));
+    std::vector<const Answers*> all = {&own};
+    std::optional<Result<Answers>> mobius;
+    if (own.matches.empty() || own.matches.front().defect > kGoodDefect) {
+      mobius.emplace(answersBy(MatchMethod::kMobius));
+      RETURN_IF_ERROR(mobius->status());
+      all.push_back(&**mobius);
+    }
     std::vector<SpectralGuess> guesses;
-    RETURN_IF_ERROR(addGuess(MatchMethod::kNearIsometry, guesses, all));
-    if (guesses.empty() || guesses.front().match.defect > kGoodDefect) {
-      RETURN_IF_ERROR(addGuess(MatchMethod::kMobius, guesses, all));
+    for (const Answers* answers : all) {
+      if (answers->matches.empty()) continue;
+      ASSIGN_OR_RETURN(SpectralGuess guess, guessOf({answers, &answers->matches.front()}));
+      guesses.push_back(std::move(guess));
     }
     if (guesses.empty()) {
       return Status(Reason::kNoConvergence,
@@ -251,44 +273,53 @@ class Matching {
                     "--mirror looks for one that turns it over; --landmarks tells points that "
                     "correspond");
     }
-    const bool mobius = guesses.size() == 2 && isMobius(guesses.front(), guesses.back());
-    SpectralGuess& best = mobius ? guesses.back() : guesses.front();
-    listOthers(std::move(all), best);
-    return std::move(best);
+    const bool second = guesses.size() == 2 && isMobius(guesses.front(), guesses.back());
+    SpectralGuess& best = second ? guesses.back() : guesses.front();
+    const std::vector<Answer> ranked = ranking(all, best);
+    const auto wanted = static_cast<std::size_t>(options_.alternative);
+    if (wanted >= ranked.size()) {
+      return Status(Reason::kInvalidOption,
+                    "there is no answer " + std::to_string(options_.alternative) +
+                        ": beside the best there are " + std::to_string(ranked.size() - 1),
+                    "the best one's list of others tells them");
+    }
+    for (std::size_t i = 0; i < ranked.size(); ++i) {
+      if (i != wanted) {
+        result_.alternatives.push_back({ranked[i].by->method, ranked[i].match->defect});
+      }
+    }
+    if (wanted == 0) return std::move(best);
+    return guessOf(ranked[wanted]);
   }
 
-  /// The matches that are nearly as good as the chosen one, or better.
-  void listOthers(std::vector<MatchAlternative> all, const SpectralGuess& chosen) {
-    std::stable_sort(all.begin(), all.end(),
-                     [](const auto& x, const auto& y) { return x.defect < y.defect; });
-    bool met = false;
-    for (const MatchAlternative& other : all) {
-      const bool same = other.method == chosen.method && other.defect == chosen.match.defect;
-      if (same && !std::exchange(met, true)) continue;
-      if (other.defect < kNearlyAsGood * chosen.match.defect) result_.alternatives.push_back(other);
+  /// The best, and those that are nearly as good or better by their defects.
+  static std::vector<Answer> ranking(const std::vector<const Answers*>& all,
+                                     const SpectralGuess& best) {
+    std::vector<Answer> ranked(1);
+    for (const Answers* answers : all) {
+      for (const SpectralMatch& match : answers->matches) {
+        const Answer answer{answers, &match};
+        if (answers->method == best.method && &match == &answers->matches.front()) {
+          ranked.front() = answer;
+        } else if (match.defect < kNearlyAsGood * best.match.defect) {
+          ranked.push_back(answer);
+        }
+      }
     }
+    std::stable_sort(ranked.begin() + 1, ranked.end(), [](const Answer& x, const Answer& y) {
+      return x.match->defect < y.match->defect;
+    });
+    return ranked;
   }
 
-  /// Adds the best match by one metric, if there is any.
-  Status addGuess(MatchMethod method, std::vector<SpectralGuess>& guesses,
-                  std::vector<MatchAlternative>& all) {
-    std::optional<Pair> other;
-    if (method == MatchMethod::kMobius) {
-      ASSIGN_OR_RETURN(Pair pair, spectralPair(MatchMetric::kMobius));
-      other.emplace(std::move(pair));
-    } else {
-      RETURN_IF_ERROR(prepare());
-    }
-    const auto& [x, y] = other ? *other : *own_;
-    ASSIGN_OR_RETURN(const std::vector<SpectralMatch> matches, matchSpectra(context_, x, y));
-    for (const SpectralMatch& match : matches) all.push_back({method, match.defect});
-    if (matches.empty()) return {};
-    SpectralGuess& guess = guesses.emplace_back();
-    guess.method = method;
-    guess.match = matches.front();
+  Result<SpectralGuess> guessOf(const Answer& answer) {
+    const auto& [x, y] = answer.by->surfaces;
+    SpectralGuess guess;
+    guess.method = answer.by->method;
+    guess.match = *answer.match;
     guess.samples = x.coarse.vertices;
     ASSIGN_OR_RETURN(guess.points, correspondingPoints(context_, x, y, guess.match.functional));
-    return {};
+    return guess;
   }
 
   /// From where the map takes the landmarks.
@@ -323,7 +354,28 @@ class Matching {
     result_.cycle_error = cycleError(a_.connectivity(), a_.positions(), result_.images,
                                      b_.connectivity(), result_.inverse) /
                           std::sqrt(a_.area());
+    if (isClosed() && a_.connectivity().eulerCharacteristic() == 0) {
+      RETURN_IF_ERROR(measureTori());
+    }
     return std::move(result_);
+  }
+
+  /// The extremal map of the class. Absent where a metric has no straight faces.
+  Status measureTori() {
+    std::optional<Result<CoverSurface>> first, second;
+    sideBySide(
+        context_,
+        [&](Context& context) {
+          first.emplace(straightCover(context, a_.connectivity(), a_.edgeLengths()));
+        },
+        [&](Context& context) {
+          second.emplace(straightCover(context, b_.connectivity(), b_.edgeLengths()));
+        });
+    if (first->ok() && second->ok()) {
+      const Result<TorusMap> map = affineTorusMap(context_, **first, **second, result_.images);
+      if (map.ok()) result_.teichmuller_distance = map->distance;
+    }
+    return context_.check();
   }
 
   Context& context_;
@@ -331,7 +383,6 @@ class Matching {
   const TriangleMesh& b_;
   const MatchOptions& options_;
   std::optional<std::pair<MapReport, double>> measured_;  ///< Of parts of faces.
-  std::optional<Pair> own_;                               ///< By their own metrics.
   SurfaceMatch result_;
 };
 
@@ -367,6 +418,9 @@ Result<SurfaceMatch> matchOriented(Context& context, const TriangleMesh& a, cons
 
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options) {
+  if (options.alternative < 0) {
+    return Status(Reason::kInvalidOption, "the number of an answer is negative");
+  }
   RETURN_IF_ERROR(
       checkTopologies(computeTopology(a.connectivity()), computeTopology(b.connectivity())));
   const bool is_closed = computeTopology(a.connectivity()).boundary_loops.empty();

@@ -34,6 +34,8 @@ struct MatchOptions {
   bool same_triangulation = true;
   /// As in mapToSphereRobust.
   bool initial_delaunay = true;
+  /// Which answer: 0 is the best, k > 0 the k-th of the alternatives that it tells of.
+  int alternative = 0;
 };
 
 /// What the map was found by.
@@ -60,11 +62,14 @@ struct SurfaceMatch {
   /// area, of the logarithms of both singular values of its faces, less their mean. No unit; 0 for
   /// similar surfaces.
   double distance = 0;
-  double cycle_error = 0;                     ///< cycleError over the root of the area of a.
-  std::optional<double> defect;               ///< Of the spectral match that the map began with.
-  std::optional<double> landmark_error;       ///< Largest distance left, over the root of b's area.
+  double cycle_error = 0;                ///< cycleError over the root of the area of a.
+  std::optional<double> defect;          ///< Of the spectral match that the map began with.
+  std::optional<double> landmark_error;  ///< Largest distance left, over the root of b's area.
+  /// Of tori: half the logarithm of the least dilatation that a map of the homotopy class has
+  /// (TorusMap::distance).
+  std::optional<double> teichmuller_distance;
   std::optional<double> soft_landmark_error;  ///< Of the soft ones.
-  /// The runners-up, best first, whose defects are less than twice that of the best.
+  /// The other answers, best first, whose defects are less than twice that of the best.
   std::vector<MatchAlternative> alternatives;
 };
 

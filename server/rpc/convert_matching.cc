@@ -32,6 +32,7 @@ v1::MatchCertificate certificateOf(const SurfaceMatch& match) {
   set(&Certificate::set_landmark_error, match.landmark_error);
   set(&Certificate::set_soft_landmark_error, match.soft_landmark_error);
   set(&Certificate::set_defect, match.defect);
+  set(&Certificate::set_teichmuller_distance, match.teichmuller_distance);
   return certificate;
 }
 
@@ -42,6 +43,7 @@ MatchOptions fromProto(const v1::MatchOptions& message) {
   options.mirror = message.mirror();
   if (message.has_same_triangulation()) options.same_triangulation = message.same_triangulation();
   if (message.has_initial_delaunay()) options.initial_delaunay = message.initial_delaunay();
+  options.alternative = message.alternative();
   return options;
 }
 

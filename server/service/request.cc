@@ -378,6 +378,10 @@ Refusal checkParameterization(const v1::ParameterizationOptions& options,
 
 Refusal checkMatch(const v1::MatchOptions& options, const std::string& field) {
   const std::string second = "the second surface";
+  if (options.alternative() < 0) {
+    return {{Reason::kInvalidOption, "the number of an answer is negative", "0 is the best one"},
+            field + ".alternative"};
+  }
   return firstOf(
       checkLandmarks(options.landmarks(), options.curves(), field, "", second),
       checkLandmarks(options.soft_landmarks(), options.soft_curves(), field, "soft_", second));

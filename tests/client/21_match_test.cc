@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
 #include <tuple>
 
+#include "core/mesh/read.h"
 #include "core/mesh/samples.h"
 #include "core/mesh/write.h"
 #include "tests/client/cli_test.h"
@@ -203,6 +205,10 @@ TEST_F(Match, SurfacesWithHandlesAreMatched) {
         json({"match", a, b, "-o", "map.csv", "--inverse", "back.csv", "--picture", "map.png"});
     EXPECT_EQ(match["certificate"]["flipped_faces"].number(), 0);
     EXPECT_NE(match["method"].string(), "SAME_TRIANGULATION");
+    // Of tori alone; these are one surface.
+    if (kind == "t") {
+      EXPECT_LT(match["certificate"]["teichmuller_distance"].number(), 0.02);
+    }
     for (const auto& [file, from, to] :
          {std::tuple{"map.csv", a, b}, std::tuple{"back.csv", b, a}}) {
       const std::vector<Row> map = parseMap(read(file));
@@ -222,6 +228,45 @@ TEST_F(Match, SurfacesWithHandlesAreMatched) {
   write("marks.txt", "1 1\n2 1\n");
   expectRefusal({"match", "g1.off", "g1.off", "--landmarks", "marks.txt"},
                 "marks.txt:1 and marks.txt:2 are sent to the same place");
+}
+
+TEST_F(Match, BoundariesGoOntoBoundaries) {
+  // Disks and rings, each against another triangulation of it.
+  sample("d1.off", {"disk", "resolution=8"});
+  sample("d2.off", {"disk", "resolution=9", "seed=3"});
+  sample("r1.off", {"annulus", "resolution=6"});
+  sample("r2.off", {"annulus", "resolution=7", "seed=3"});
+  for (const std::string kind : {"d", "r"}) {
+    SCOPED_TRACE(kind);
+    const std::string a = kind + "1.off", b = kind + "2.off";
+    const Json match = json({"match", a, b, "-o", "map.csv"});
+    EXPECT_EQ(match["certificate"]["flipped_faces"].number(), 0);
+    Context context;
+    const TriangleSoup from = *readMeshFile(context, path(a)), to = *readMeshFile(context, path(b));
+    const std::vector<Row> map = parseMap(read("map.csv"));
+    ASSERT_EQ(map.size(), from.vertices.size());
+    for (const Row& row : map) {
+      // Round boundaries: the outer one of both, and the inner one of the ring.
+      const double radius = from.vertices[row.vertex].norm(), there = placeOf(row, to).norm();
+      const double outer = kind == "d" ? 1 : 2;
+      if (radius > outer - 1e-9 || (kind == "r" && radius < 1 + 1e-9)) {
+        EXPECT_NEAR(there, radius, 0.02);  // Sagittas of edges.
+        EXPECT_EQ(*std::min_element(row.weights.begin(), row.weights.end()), 0);
+      }
+    }
+  }
+}
+
+TEST_F(Match, SymmetricSurfacesHaveOtherAnswers) {
+  sample("e1.off", {"ellipsoid", "a=1", "b=0.7", "c=0.45", "resolution=6", "seed=3"});
+  sample("e2.off", {"ellipsoid", "a=1", "b=0.7", "c=0.45", "resolution=7", "seed=5"});
+  const Json best = json({"match", "e1.off", "e2.off", "-o", "best.csv"});
+  ASSERT_GT(best["alternatives"].size(), 0);
+  const Json other = json({"match", "e1.off", "e2.off", "--alternative", "1", "-o", "other.csv"});
+  EXPECT_EQ(other["alternatives"].size(), best["alternatives"].size());
+  EXPECT_EQ(other["certificate"]["defect"].number(), best["alternatives"].at(0)["defect"].number());
+  EXPECT_NE(read("best.csv"), read("other.csv"));
+  expectRefusal({"match", "e1.off", "e2.off", "--alternative", "99"}, "there is no answer 99");
 }
 
 TEST_F(Match, StoredShapesAreMatched) {
@@ -259,6 +304,7 @@ TEST_F(Match, WhatDoesNotGoTogetherIsAUsageError) {
   EXPECT_THAT(usage({"a.off", "b.off", "--size", "300x200"}), HasSubstr("that of a --picture"));
   EXPECT_THAT(usage({"a.off", "b.off", "--picture", "m.png", "--size", "3"}), HasSubstr("no size"));
   usage({"a.off", "b.off", "--same-triangulation", "maybe"});
+  usage({"a.off", "b.off", "--alternative", "0"});
 }
 
 TEST_F(Match, NothingIsLeftWhereNothingCanBeWrittenOrRead) {

@@ -1,9 +1,11 @@
 #include "core/matching/match_surfaces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <numeric>
+#include <set>
 
 #include "core/intrinsic/edge_graph.h"
 #include "core/mesh/read.h"
@@ -222,6 +224,56 @@ TEST(MatchSurfaces, MapsBoundariesOntoEachOther) {
   };
   boundaryVertices(a, b, found.images);
   boundaryVertices(b, a, found.inverse);
+}
+
+// An ellipsoid of three different axes: half turns about each of them are symmetries.
+TEST(MatchSurfaces, GivesEachAnswerOfASymmetricSurface) {
+  const auto ellipsoid = [](double resolution, double seed) {
+    return meshOf(*makeSample(
+        "ellipsoid",
+        {{"a", 1}, {"b", 0.7}, {"c", 0.45}, {"resolution", resolution}, {"seed", seed}}));
+  };
+  const TriangleMesh mesh = ellipsoid(10, 3), other = ellipsoid(11, 5);
+  MatchOptions options = surfacesAlone();
+  const SurfaceMatch best = match(mesh, other, options);
+  ASSERT_GE(best.alternatives.size(), 3U);
+  // Which halves go to which.
+  std::set<std::array<bool, 3>> turns;
+  const auto count = static_cast<int>(best.alternatives.size()) + 1;
+  for (options.alternative = 0; options.alternative < count; ++options.alternative) {
+    const SurfaceMatch found = match(mesh, other, options);
+    EXPECT_EQ(found.alternatives.size(), best.alternatives.size());
+    EXPECT_EQ(found.report.folded_faces, 0);
+    Eigen::Vector3d agreement = Eigen::Vector3d::Zero();
+    for (Index v = 0; v < mesh.vertexCount(); ++v) {
+      agreement += spacePoint(other.connectivity(), other.positions(), found.images[v])
+                       .cwiseProduct(mesh.positions()[v]);
+    }
+    if (found.distance < 0.1) {
+      turns.insert({agreement[0] > 0, agreement[1] > 0, agreement[2] > 0});
+    }
+  }
+  const std::set<std::array<bool, 3>> symmetries = {
+      {true, true, true}, {true, false, false}, {false, true, false}, {false, false, true}};
+  EXPECT_EQ(turns, symmetries);
+  Context context;
+  options.alternative = 1000;
+  const auto none = matchSurfaces(context, mesh, other, options);
+  EXPECT_THAT(none, FailsWith(Reason::kInvalidOption));
+  EXPECT_THAT(none.status().message(), testing::HasSubstr("answer 1000"));
+}
+
+// Tori of revolution have tau = i r / sqrt(R^2 - r^2): the distance of i s and i t is |log(s / t)|
+// / 2 (CHECKS B, MATH 12.12), here by metrics of second order.
+TEST(MatchSurfaces, TellsTheTeichmuellerDistanceOfTori) {
+  const auto torus = [](double r) {
+    return meshOf(*makeSample("torus", {{"R", 2}, {"r", r}, {"resolution", 24}, {"seed", 2}}));
+  };
+  const SurfaceMatch found = match(torus(0.8), torus(0.9), surfacesAlone());
+  const auto height = [](double r) { return r / std::sqrt(4 - r * r); };
+  ASSERT_TRUE(found.teichmuller_distance);
+  EXPECT_NEAR(*found.teichmuller_distance, std::log(height(0.9) / height(0.8)) / 2, 0.005);
+  EXPECT_FALSE(match(meshOf(lump(6, 1)), meshOf(lump(6, 1))).teichmuller_distance);
 }
 
 TEST(MatchSurfaces, StopsWhenCancelled) {
