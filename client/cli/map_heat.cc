@@ -56,9 +56,9 @@ double niceFactor(double least) {
 
 }  // namespace
 
-MapHeat MapHeat::ofDilatation(const MapDrawing& drawing) {
+MapHeat MapHeat::ofDilatation(const MapDrawing& drawing, bool in_hyperbolic_disk) {
   MapHeat heat(drawing);
-  const FaceMeasures measures = measureFaces(drawing, false);
+  const FaceMeasures measures = measureFaces(drawing, in_hyperbolic_disk);
   const double most = largest(measures.dilatation);
   const NiceSpan span =
       niceSpan(std::max(0.01, areaQuantile(measures.dilatation, measures.area, kShown) - 1));

@@ -15,7 +15,7 @@ class MapHeat {
  public:
   /// The dilatation K of faces, one colour each, from 1 up to a round number that is exceeded on 2
   /// % of the area at most.
-  static MapHeat ofDilatation(const MapDrawing& drawing);
+  static MapHeat ofDilatation(const MapDrawing& drawing, bool in_hyperbolic_disk);
 
   /// How much longer lengths are in the image than on the surface, against the mean of their
   /// logarithms: red where the map makes things large. Faces give it to their vertices. The

@@ -1,8 +1,11 @@
 #include "client/cli/map_measure.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace moduli::cli {
@@ -31,6 +34,18 @@ double dilatationOf(const Form& source, const Form& image) {
   return half <= 1 ? 1 : half + std::sqrt((half - 1) * (half + 1));
 }
 
+// By the isometry that takes the mean of the points to 0, where the metric is twice the plane's.
+void moveToCentre(std::array<Vec3, 3>& points) {
+  using Complex = std::complex<double>;
+  const Vec3 mean = (1.0 / 3) * (points[0] + points[1] + points[2]);
+  const Complex middle(mean[0], mean[1]);
+  for (Vec3& p : points) {
+    const Complex z(p[0], p[1]);
+    const Complex moved = (z - middle) / (1.0 - std::conj(middle) * z);
+    p = {moved.real(), moved.imag(), 0};
+  }
+}
+
 }  // namespace
 
 FaceMeasures measureFaces(const MapDrawing& drawing, bool in_hyperbolic_disk) {
@@ -44,14 +59,14 @@ FaceMeasures measureFaces(const MapDrawing& drawing, bool in_hyperbolic_disk) {
     measures.area[f] = std::isfinite(area) ? area : 0;
     if (!drawing.isMapped(static_cast<int>(f))) continue;
     const CornerIndices& c = drawing.corners[f];
-    const Vec3 &a = drawing.points[c[0]], &b = drawing.points[c[1]], &d = drawing.points[c[2]];
-    const Form image = formOf(a, b, d);
+    std::array<Vec3, 3> image_points = {drawing.points[c[0]], drawing.points[c[1]],
+                                        drawing.points[c[2]]};
+    if (in_hyperbolic_disk) moveToCentre(image_points);
+    const Form image = formOf(image_points[0], image_points[1], image_points[2]);
     if (!(source.determinant > 0) || !(image.determinant > 0)) continue;
     measures.dilatation[f] = dilatationOf(source, image);
     measures.log_scale[f] = std::log(image.determinant / source.determinant) / 4;
-    if (!in_hyperbolic_disk) continue;
-    const Vec3 middle = (1.0 / 3) * (a + b + d);
-    measures.log_scale[f] += std::log(2 / (1 - dot(middle, middle)));
+    if (in_hyperbolic_disk) measures.log_scale[f] += std::numbers::ln2;
   }
   return measures;
 }

@@ -9,10 +9,11 @@ namespace moduli::cli {
 
 struct FaceMeasures {
   /// Quasi-conformal K: the ratio of the singular values of the linear map from the face to its
-  /// image, at least 1 whichever way it is turned; on the sphere, of the triangle of chords.
+  /// image, at least 1 whichever way it is turned; on the sphere, of the triangle of chords; in the
+  /// Poincaré disk, where the face has been moved to the middle of it.
   std::vector<double> dilatation;
   /// log(length of the image / length on the surface): half of that of the areas. In the Poincaré
-  /// disk lengths are those of its metric, taken at the middle of the face.
+  /// disk lengths are those of its metric, taken there.
   std::vector<double> log_scale;
   std::vector<double> area;  ///< On the surface.
 };

@@ -157,7 +157,7 @@ MapPanels::MapPanels(const MapPicture& picture)
   const bool hyperbolic = picture.map->result.has_hyperbolic();
   if (hyperbolic && checker) tiling_.emplace(drawing_, *picture.map);
   if (!drawing_.surface.empty() && picture.draw == PictureDraw::kDilatation) {
-    heat_.emplace(MapHeat::ofDilatation(drawing_));
+    heat_.emplace(MapHeat::ofDilatation(drawing_, hyperbolic));
   }
   if (!drawing_.surface.empty() && picture.draw == PictureDraw::kScale) {
     heat_.emplace(MapHeat::ofScale(drawing_, hyperbolic));

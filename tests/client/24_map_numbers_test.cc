@@ -88,6 +88,19 @@ TEST(MeasureFaces, IsometriesOfTheHyperbolicDiskChangeNoScale) {
   EXPECT_THAT(scaleBy({0.5, 0.6}), Each(testing::DoubleNear(at_centre, 1e-3)));
 }
 
+TEST(MeasureFaces, LargeFacesOfTheDiskAreMeasuredInItsMiddle) {
+  // A face of side 0.3, moved by an isometry, has the K that it has around 0.
+  const auto dilatationBy = [](Complex a) {
+    ParameterizedMesh map = gridBy(1, [&](Complex z) {
+      const Complex small = 0.3 * stretched(z, 1, 0.5);
+      return (small + a) / (1.0 + std::conj(a) * small);
+    });
+    return measureFaces(makeDrawing(map, {}), true).dilatation[0];
+  };
+  // The mean of three points is moved to the mean up to the third power of the size.
+  EXPECT_NEAR(dilatationBy({0.6, 0.3}), dilatationBy(0), 0.05);
+}
+
 TEST(AreaQuantile, IsTheOneFoundByCounting) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(0, 1);
