@@ -1,6 +1,6 @@
 # The two commands: `make demo` and `make test`. Each installs what is missing first.
 #
-#   make demo     builds, fills a collection with sample surfaces, searches it, leaves demo/
+#   make demo     builds, searches, maps and matches sample surfaces, leaves demo/index.html
 #   make test     builds and runs every test; leaves build/release/bin built
 #   make build    only the release build
 #   make bench    costs of every stage in F on a sample surface (MESHES="a.obj b.off" for others)
@@ -13,10 +13,13 @@ BUILD_PACKAGES := g++ cmake ninja-build ccache pkg-config \
   libeigen3-dev libopenmesh-dev libflann-dev liblz4-dev \
   libsuitesparse-dev libopenblas-pthread-dev libopenblas0-pthread \
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc \
-  libsqlite3-dev libzstd-dev libssl-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev \
+  libsqlite3-dev libzstd-dev libssl-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libtinygltf-dev \
   libcairo2-dev fonts-dejavu-core libexpat1-dev zlib1g-dev \
   libgtest-dev libgmock-dev libbenchmark-dev libspectra-dev
 TEST_PACKAGES := $(BUILD_PACKAGES) clang-format clang-19 libclang-rt-19-dev
+
+# For validating glTF; that test is skipped where there is no npm.
+NPM_PACKAGES := gltf-validator@2.0.0-dev.3.10
 
 JOBS ?= $(shell nproc)
 MESHES ?=
@@ -50,6 +53,10 @@ install-build:
 
 install-test:
 	@$(call install,$(TEST_PACKAGES))
+	@if command -v npm >/dev/null && [ ! -d build/npm/node_modules/gltf-validator ]; then \
+	  npm install --silent --no-fund --no-audit --no-save --prefix build/npm $(NPM_PACKAGES) || \
+	    echo "npm failed: glTF files are not validated"; \
+	fi
 
 build: install-build
 	cmake --preset release -Wno-dev

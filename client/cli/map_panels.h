@@ -6,9 +6,12 @@
 
 #include "client/cli/disk_tiling.h"
 #include "client/cli/map_drawing.h"
+#include "client/cli/map_heat.h"
 #include "client/cli/map_pattern.h"
 #include "client/cli/map_picture.h"
 #include "client/cli/panel_sheet.h"
+#include "client/cli/seam_chains.h"
+#include "client/cli/torus_tiling.h"
 #include "core/picture/render.h"
 
 /// The parts of a map's picture, whatever file they go to.
@@ -34,6 +37,10 @@ struct Panel {
   std::string title, subtitle;
 };
 
+/// Cones of positive and of negative curvature; zeros of forms by the sign of their index.
+inline constexpr Color kConvexColor = {168, 28, 116}, kConcaveColor = {0, 122, 140};
+inline constexpr double kConeWidth = 8;
+
 struct DrawnCircle {
   double x = 0, y = 0, radius = 1;
 };
@@ -49,7 +56,23 @@ class MapPanels {
   std::string heading() const;
 
   const Pattern& pattern() const { return pattern_; }
-  bool hasField() const { return field_.has_value(); }
+  /// False where faces have colours of their own instead of the pattern.
+  bool hasPattern() const { return !field_ && !heat_ && islands_.empty(); }
+  /// Of the colours, where they need one.
+  const Legend* legend() const { return heat_ ? &heat_->legend() : nullptr; }
+  /// Seams by their colours.
+  const std::vector<EdgeGroup>& seams() const { return seams_; }
+  /// Wider where they are what is shown.
+  double seamWidth() const { return islands_.empty() ? kSeamWidth : 2.2; }
+  Color foldedColor() const { return heat_ ? kFoldedInHeat : kFoldedColor; }
+  /// Copies around a torus; null where none are shown.
+  const TorusTiling* torus() const { return torus_ ? &*torus_ : nullptr; }
+  /// The images of cones and zeros, one for every corner of the image there.
+  struct DrawnCone {
+    int vertex = 0, point = 0;
+    Color color;
+  };
+  const std::vector<DrawnCone>& cones() const { return cones_; }
   /// The colour of a point of a face.
   Color colorAt(int face, const Vec3& weights) const;
 
@@ -70,19 +93,42 @@ class MapPanels {
  private:
   void listPanels(const MapPicture& picture);
   void listCircles(const MapPicture& picture);
+  void listCones(const MapPicture& picture);
+  void addCopies(Scene& scene, double pixel) const;
+  std::vector<LineSet> coneDots(bool in_space, double pixel) const;
+  std::string layoutText() const;
+  std::vector<LineSet> seamLines(bool in_space, double pixel) const;
   Scene imageScene(PanelKind kind, const RenderOptions& look, double pixel) const;
   Scene surfaceScene(double pixel) const;
 
   MapDrawing drawing_;
   Pattern pattern_;
   std::optional<FieldColors> field_;
-  std::optional<DiskTiling> tiling_;        ///< Of a map to the Poincaré disk.
-  std::vector<CornerIndices> image_faces_;  ///< The corners of `mapped`.
+  std::optional<MapHeat> heat_;
+  std::vector<int> islands_;  ///< Per face, where islands are shown.
+  std::vector<EdgeGroup> seams_;
+  std::optional<DiskTiling> tiling_;  ///< Of a map to the Poincaré disk.
+  std::optional<TorusTiling> torus_;
+  /// The corners of `mapped`; with the pieces of copies behind them, whose points follow the
+  /// image's.
+  std::vector<CornerIndices> image_faces_;
+  std::vector<Vec3> tiled_points_;
+  std::vector<DrawnCone> cones_;
   std::vector<Panel> panels_;
   std::vector<DrawnCircle> circles_;
   std::string name_, place_;
   v1::ParameterizationOptions::Target target_;
   PictureView view_;
 };
+
+/// Where the parts of a map's picture go: panels at the left, a legend at the right of them.
+struct SheetPlan {
+  PictureSize panels;  ///< What is left for them.
+  PanelLayout layout;
+  int legend_width = 0, legend_height = 0;  ///< 0: there is none. It begins below the heading.
+};
+
+/// A legend is left out where there are no words, and where it would take a quarter of the width.
+SheetPlan planSheet(const MapPanels& map, const PictureSize& size);
 
 }  // namespace moduli::cli

@@ -84,6 +84,9 @@ Pattern::Pattern(const MapDrawing& drawing, Options::Target target) : kind_(Kind
     kind_ = Kind::kParallels;
   } else if (target == Options::DISK || target == Options::CIRCLE_DOMAIN) {
     kind_ = Kind::kRings;
+  } else if (target == Options::QUADS) {
+    unitSquares(drawing);
+    return;
   } else {
     fitSquares(drawing, target == Options::RECTANGLE);
   }
@@ -161,6 +164,21 @@ void Pattern::fitSquares(const MapDrawing& drawing, bool height_is_whole) {
   };
   columns_ = cells(box.size[0]);
   rows_ = cells(box.size[1]);
+}
+
+// Lines go on across cuts, so that blocks of an odd number of squares would not.
+void Pattern::unitSquares(const MapDrawing& drawing) {
+  const Box box = boxOf(drawing);
+  const double longest = std::max(box.size[0], box.size[1]);
+  if (!std::isfinite(longest) || !(longest > 0)) return;
+  side_ = std::max(1.0, std::ceil(longest / static_cast<double>(kMostColumns - 2)));
+  for (int k = 0; k < 2; ++k) origin_[k] = side_ * std::floor(box.low[k] / side_);
+  const auto cells = [&](int k) {
+    const double end = std::ceil((box.low[k] + box.size[k] - origin_[k]) / side_);
+    return std::max(1LL, static_cast<long long>(end));
+  };
+  columns_ = cells(0);
+  rows_ = cells(1);
 }
 
 std::array<double, 2> Pattern::cellCoordinates(const Vec3& point) const {

@@ -26,7 +26,8 @@ class Pattern {
  public:
   enum class Kind : std::uint8_t { kSquares, kRings, kParallels };
 
-  /// Squares on rectangles and the plane, rings on disks and circle domains, parallels on spheres.
+  /// Squares on rectangles and the plane (QUADS: the unit squares, or whole blocks of them, none of
+  /// them cut), rings on disks and circle domains, parallels on spheres.
   Pattern(const MapDrawing& drawing, v1::ParameterizationOptions::Target target);
 
   /// The colour at a point of the image; on the sphere, of any length but 0.
@@ -62,6 +63,7 @@ class Pattern {
   Color colorOf(const Index& index) const;
   void addDarkCells(const Index& index, std::vector<Cell>& cells) const;
   void fitSquares(const MapDrawing& drawing, bool height_is_whole);
+  void unitSquares(const MapDrawing& drawing);
   std::vector<Piece> piecesOf(const MapDrawing& drawing) const;
   void addRows(const std::vector<Piece>& pieces, double largest);
   void cut(std::vector<Piece> pieces, double largest);

@@ -11,7 +11,8 @@ namespace moduli::cli {
 namespace {
 
 Result<std::string> drawMapPng(const MapPanels& map, const PictureSize& size) {
-  const PanelLayout layout = layOutPanels(size, static_cast<int>(map.panels().size()));
+  const SheetPlan plan = planSheet(map, size);
+  const PanelLayout& layout = plan.layout;
   std::vector<SheetCell> cells;
   for (const Panel& panel : map.panels()) {
     if (panel.kind == PanelKind::kDisk) {
@@ -24,13 +25,35 @@ Result<std::string> drawMapPng(const MapPanels& map, const PictureSize& size) {
     cells.push_back(
         {renderScene(map.scene(panel.kind, look, 1), look), panel.title, panel.subtitle, false});
   }
-  ASSIGN_OR_RETURN(const Image picture, composePanels(map.heading(), size, layout, cells));
+  ASSIGN_OR_RETURN(const Image sheet, composePanels(map.heading(), plan.panels, layout, cells));
+  if (plan.legend_width == 0) return encodePng(sheet);
+  const LegendDrawing drawing = makeLegend(*map.legend(), plan.legend_width, plan.legend_height);
+  ASSIGN_OR_RETURN(const Image legend, drawShapes(drawing.shapes, plan.legend_width,
+                                                  plan.legend_height, drawing.words));
+  Image picture(size.width, size.height, RenderOptions().background);
+  pasteImage(picture, sheet, 0, 0);
+  pasteImage(picture, legend, plan.panels.width, kSheetHeading);
   return encodePng(picture);
 }
 
 }  // namespace
 
+Status checkDrawable(const MapPicture& picture) {
+  const bool to_sphere = picture.map->result.target() == v1::ParameterizationOptions::SPHERE;
+  const bool numbers =
+      picture.draw == PictureDraw::kDilatation || picture.draw == PictureDraw::kScale;
+  if (numbers && (!picture.in_space || (to_sphere && picture.space.empty()))) {
+    return {Reason::kInvalidOption, "the surface has no place in space to compare its image with",
+            "draw its layout"};
+  }
+  if (picture.draw == PictureDraw::kLayout && to_sphere) {
+    return {Reason::kInvalidOption, "a map to the sphere has no layout", "draw its dilatation"};
+  }
+  return {};
+}
+
 Result<std::string> drawMap(const MapPicture& picture) {
+  RETURN_IF_ERROR(checkDrawable(picture));
   const MapPanels map(picture);
   return picture.format == PictureFormat::kSvg ? drawMapSvg(map, picture.size)
                                                : drawMapPng(map, picture.size);

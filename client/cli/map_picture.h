@@ -20,6 +20,7 @@ struct MapPicture {
   bool in_space = true;           ///< False for an intrinsic triangulation: the image alone.
   std::span<const double> field;  ///< One number per vertex, as `space`; or empty.
   std::string field_name = "field";
+  PictureDraw draw = PictureDraw::kChecker;
   PictureFormat format = PictureFormat::kPng;
   PictureSize size;
   PictureView view;
@@ -34,17 +35,29 @@ struct MapPicture {
 /// negative x axis, its third axis up. Pictures that leave less than 64 pixels for each have no
 /// words.
 ///
-/// Of a map to the Poincaré disk, the surface bears its cuts and closed geodesics; the disk shows
-/// the image's copies, the axes of generators and the geodesics (disk_tiling.h).
+/// With kDilatation and kScale both bear the colours of numbers (MapHeat), with a colour bar beside
+/// them where there is room for words; folded faces are blue. With kLayout islands and seams are
+/// told apart by colours (seam_chains.h). A field is shown with kChecker only.
+///
+/// Of a map to the Poincaré disk, with kChecker, the surface bears its cuts and closed geodesics;
+/// the disk shows the image's copies, the axes of generators and the geodesics (disk_tiling.h).
+///
+/// A torus stands among parts of its copies, paler, with the parallelogram of its generators. Cones
+/// are dots, magenta where their curvature is positive, teal where it is not; so are zeros of
+/// forms.
 ///
 /// SVG: the image is drawn in outlines, of a sphere what is not hidden; the surface is an embedded
 /// raster, of twice the size up to 2048 pixels a side. The image is a raster too where outlines
-/// would take too much: a field on more than 30000 faces, cuts and boundaries of more than 60000
-/// edges; more edges than that are not drawn.
+/// would take too much: colours of numbers or islands on more than 30000 faces, cuts and boundaries
+/// of more than 60000 edges; more edges than that are not drawn.
 ///
 /// Vertices that were added to the surface have no `space` and no `field`; they get the mean of
-/// their neighbours'. Same input, same bytes. Fails with kInternal where the drawing library does.
-/// O(F log F + pixels).
+/// their neighbours'. Same input, same bytes. Fails as checkDrawable does, and with kInternal where
+/// the drawing library does. O(F log F + pixels).
 Result<std::string> drawMap(const MapPicture& picture);
+
+/// Fails with kInvalidOption for what cannot be drawn: numbers of a surface that has no place in
+/// space, the layout of a map to the sphere.
+Status checkDrawable(const MapPicture& picture);
 
 }  // namespace moduli::cli

@@ -33,7 +33,7 @@ std::size_t countEdges(const MapDrawing& drawing, bool inner) {
 
 bool needsRaster(const MapPanels& map, PanelKind kind) {
   if (kind == PanelKind::kSurface) return true;
-  if (map.hasField() && map.drawing().mapped.size() > kMostFieldFaces) return true;
+  if (!map.hasPattern() && map.drawing().mapped.size() > kMostFieldFaces) return true;
   return countEdges(map.drawing(), false) > kMostEdges;
 }
 
@@ -63,10 +63,11 @@ class ImageOutlines {
 
   void draw() {
     if (!projection_.valid()) return;
-    if (map_.hasField()) {
-      addFaces(false);
-    } else {
+    if (map_.torus() != nullptr) addCopies(*map_.torus());
+    if (map_.hasPattern()) {
       addPattern();
+    } else {
+      addFaces(false);
     }
     addFaces(true);
     if (drawing_.on_sphere) addBall();
@@ -75,6 +76,14 @@ class ImageOutlines {
       svg_.circle(center[0], center[1], circle.radius * projection_.scale(), circleStyle());
     }
     addEdges();
+    if (map_.torus() != nullptr) {
+      svg_.path(pathOf(map_.torus()->parallelogram()),
+                {.stroke = kBoundaryColor, .stroke_width = kBoundaryWidth});
+    }
+    for (const MapPanels::DrawnCone& cone : map_.cones()) {
+      const Vec3 place = projected(drawing_.points[cone.point]);
+      svg_.circle(place[0], place[1], kConeWidth / 2, {.fill = cone.color});
+    }
   }
 
  private:
@@ -118,9 +127,30 @@ class ImageOutlines {
     svg_.endClip();
   }
 
+  // Within the window: the pattern as the image has it, moved, and the outline of each copy.
+  void addCopies(const TorusTiling& torus) {
+    const auto& [low, high] = torus.window();
+    svg_.beginClip(pathOf({low, {high[0], low[1], 0}, high, {low[0], high[1], 0}}));
+    const std::vector<Pattern::Cell> cells = map_.pattern().darkCells();
+    for (const Vec3& shift : torus.shifts()) {
+      const SvgPath region = imageRegion(shift);
+      if (region.empty()) continue;
+      svg_.beginClip(region);
+      svg_.path(region, {.fill = paleColor(kPatternLight)});
+      for (const Pattern::Cell& cell : cells) {
+        std::vector<Vec3> outline = cell.outline;
+        for (Vec3& point : outline) point = point + shift;
+        svg_.path(pathOf(outline), {.fill = paleColor(cell.color)});
+      }
+      svg_.endClip();
+      svg_.path(region, {.stroke = kCircleColor, .stroke_width = kCircleWidth});
+    }
+    svg_.endClip();
+  }
+
   // What the faces cover: loops of the edges that have a face on one side. They balance at every
   // point, so that a walk along them ends where it began.
-  SvgPath imageRegion() const {
+  SvgPath imageRegion(const Vec3& shift = {}) const {
     std::unordered_map<int, std::vector<int>> next;
     std::vector<int> starts;
     for (const MapEdge& edge : drawing_.edges) {
@@ -132,7 +162,7 @@ class ImageOutlines {
     for (const int start : starts) {
       std::vector<Vec3> loop;
       for (int at = start; !next[at].empty();) {
-        loop.push_back(drawing_.points[at]);
+        loop.push_back(drawing_.points[at] + shift);
         const int to = next[at].back();
         next[at].pop_back();
         at = to;
@@ -192,7 +222,8 @@ class ImageOutlines {
       // A hairline closes the cracks that anti-aliasing leaves between neighbours.
       svg_.path(pathOf(outline), {.fill = color, .stroke = color, .stroke_width = 0.4});
     }
-    svg_.path(folds, {.fill = kFoldedColor, .stroke = kFoldedColor, .stroke_width = 0.4});
+    const Color color = map_.foldedColor();
+    svg_.path(folds, {.fill = color, .stroke = color, .stroke_width = 0.4});
   }
 
   void addBall() {
@@ -206,20 +237,27 @@ class ImageOutlines {
         map_.showsEdges(projection_.scale()) && countEdges(drawing_, true) <= kMostEdges;
     if (inner) addEdges(Kind::kInner, {.stroke = kEdgeColor, .stroke_width = kEdgeWidth});
     addEdges(Kind::kBoundary, {.stroke = kBoundaryColor, .stroke_width = kBoundaryWidth});
-    addEdges(Kind::kSeam, {.stroke = kSeamColor, .stroke_width = kSeamWidth});
+    for (const EdgeGroup& group : map_.seams()) {
+      SvgPath path;
+      for (const int e : group.edges) addTo(path, drawing_.edges[e]);
+      svg_.path(path, {.stroke = group.color, .stroke_width = map_.seamWidth()});
+    }
   }
 
   void addEdges(Kind kind, const SvgStyle& style) {
     SvgPath path;
     for (const MapEdge& edge : drawing_.edges) {
-      if (edge.kind != kind) continue;
-      const Vec3& a = drawing_.points[edge.points[0]];
-      const Vec3& b = drawing_.points[edge.points[1]];
-      if (drawing_.on_sphere && height(a + b) <= 0) continue;
-      const Vec3 p = projected(a), q = projected(b);
-      path.moveTo(p[0], p[1]).lineTo(q[0], q[1]);
+      if (edge.kind == kind) addTo(path, edge);
     }
     svg_.path(path, style);
+  }
+
+  void addTo(SvgPath& path, const MapEdge& edge) const {
+    const Vec3& a = drawing_.points[edge.points[0]];
+    const Vec3& b = drawing_.points[edge.points[1]];
+    if (drawing_.on_sphere && height(a + b) <= 0) return;
+    const Vec3 p = projected(a), q = projected(b);
+    path.moveTo(p[0], p[1]).lineTo(q[0], q[1]);
   }
 
   Svg& svg_;
@@ -235,12 +273,14 @@ class ImageOutlines {
 
 Result<std::string> drawMapSvg(const MapPanels& map, const PictureSize& size) {
   const std::vector<Panel>& panels = map.panels();
-  const PanelLayout layout = layOutPanels(size, static_cast<int>(panels.size()));
+  const SheetPlan plan = planSheet(map, size);
+  const PanelLayout& layout = plan.layout;
   const int margin = layout.words ? kSheetMargin : 0;
   const int words = layout.words ? kSheetWords : 0;
   const Color dark = {26, 26, 26}, grey = {102, 102, 102};
   Svg svg(size.width, size.height);
-  if (layout.words) svg.text(map.heading(), margin, 29, 18, dark, true, size.width - 2 * margin);
+  if (layout.words)
+    svg.text(map.heading(), margin, 29, 18, dark, true, plan.panels.width - 2 * margin);
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const int column = static_cast<int>(i) % layout.columns;
     const int row = static_cast<int>(i) / layout.columns;
@@ -258,6 +298,10 @@ Result<std::string> drawMapSvg(const MapPanels& map, const PictureSize& size) {
     const double below = place.y + place.height;
     svg.text(panels[i].title, place.x, below + 17, 13, dark, true, place.width);
     svg.text(panels[i].subtitle, place.x, below + 34, 12, grey, false, place.width);
+  }
+  if (plan.legend_width > 0) {
+    const LegendDrawing legend = makeLegend(*map.legend(), plan.legend_width, plan.legend_height);
+    addShapes(svg, legend.shapes, plan.panels.width, kSheetHeading, legend.words);
   }
   return std::move(svg).finish();
 }

@@ -7,15 +7,15 @@ namespace {
 
 constexpr int kLeastPanel = 64;
 
-void paste(Image& target, const Image& image, int x0, int y0) {
+}  // namespace
+
+void pasteImage(Image& target, const Image& image, int x0, int y0) {
   const int columns = std::min(image.width, target.width - x0);
   const int rows = std::min(image.height, target.height - y0);
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) target.at(x0 + x, y0 + y) = image.at(x, y);
   }
 }
-
-}  // namespace
 
 PanelLayout layOutPanels(const PictureSize& size, int count) {
   PanelLayout best, bare;
@@ -45,13 +45,13 @@ Result<Image> composePanels(const std::string& heading, const PictureSize& size,
   if (layout.words) {
     // What does not divide evenly among the panels is left at the right and below.
     ASSIGN_OR_RETURN(const Image sheet, composeSheet(heading, cells, layout.columns));
-    paste(picture, sheet, 0, 0);
+    pasteImage(picture, sheet, 0, 0);
     return picture;
   }
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const int column = static_cast<int>(i) % layout.columns;
     const int row = static_cast<int>(i) / layout.columns;
-    paste(picture, cells[i].image, column * layout.width, row * layout.height);
+    pasteImage(picture, cells[i].image, column * layout.width, row * layout.height);
   }
   return picture;
 }

@@ -27,6 +27,9 @@ PanelLayout layOutPanels(const PictureSize& size, int count);
 Result<Image> composePanels(const std::string& heading, const PictureSize& size,
                             const PanelLayout& layout, const std::vector<SheetCell>& cells);
 
+/// Puts an image into another one, its upper left corner at (x, y); what does not fit is cut off.
+void pasteImage(Image& target, const Image& image, int x, int y);
+
 /// How a surface is seen in a panel.
 RenderOptions surfaceLook(const PictureView& view, int width, int height);
 

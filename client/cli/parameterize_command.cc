@@ -3,20 +3,20 @@
 #include <cctype>
 #include <charconv>
 #include <complex>
+#include <iterator>
 #include <optional>
 #include <vector>
 
 #include "client/cli/command.h"
-#include "client/cli/file_writer.h"
-#include "client/cli/gifti_output.h"
 #include "client/cli/mesh_argument.h"
+#include "client/cli/parameterize_files.h"
 #include "client/cli/parameterize_picture.h"
+#include "client/cli/plane_options.h"
 #include "client/cli/prepare_arguments.h"
 #include "client/cli/registration.h"
 #include "client/cli/report.h"
 #include "client/cli/session.h"
 #include "client/cli/side_file.h"
-#include "client/cli/textured_obj.h"
 
 /// parameterize.
 namespace moduli::cli {
@@ -149,8 +149,9 @@ Result<Options> optionsOf(const Arguments& arguments) {
   if (arguments.has("initial-delaunay")) {
     options.set_initial_delaunay(arguments.text("initial-delaunay") == "on");
   }
+  setPlaneOptions(arguments, options);
   std::vector<ConeLine> cones;
-  if (arguments.has("cones")) {
+  if (arguments.has("cones") && !choosesCones(arguments)) {
     RETURN_IF_ERROR(readInto(arguments.text("cones"), "check the path given to --cones", cones));
   }
   if (arguments.has("boundary") && options.boundary() == Options::BOUNDARY_UNSPECIFIED) {
@@ -167,65 +168,6 @@ Result<Options> optionsOf(const Arguments& arguments) {
   return options;
 }
 
-/// The files that a run writes.
-class Outputs {
- public:
-  explicit Outputs(const Arguments& arguments)
-      : output_(arguments.text("output")),
-        carried_(arguments.text("carried")),
-        carried_name_(arguments.text("reference-field", "area distortion")),
-        output_writer_(output_, true),
-        carried_writer_(carried_, true),
-        picture_writer_(arguments.text("picture"), true),
-        arguments_(arguments) {
-    carried_name_.erase(0, carried_name_.rfind('/') + 1);
-  }
-
-  bool wanted() const { return !output_.empty() || !carried_.empty() || draws(); }
-
-  /// Before the work, so that a place where nothing can be written is told in time.
-  Status open() {
-    if (!output_.empty()) RETURN_IF_ERROR(output_writer_.open());
-    if (!carried_.empty()) RETURN_IF_ERROR(carried_writer_.open());
-    if (draws()) RETURN_IF_ERROR(picture_writer_.open());
-    return {};
-  }
-
-  Status write(const ParameterizedMesh& mesh, const MeshArgument& input, Client& client) {
-    GiftiTags tags;
-    if (isGiftiFileName(output_) || isGiftiFileName(carried_)) {
-      ASSIGN_OR_RETURN(const std::string bytes, input.content(client));
-      tags = tagsOf(bytes, input.name());
-    }
-    if (!carried_.empty()) {
-      ASSIGN_OR_RETURN(const std::string bytes,
-                       valuesFile(mesh.carried, carried_name_, tags, carried_));
-      RETURN_IF_ERROR(carried_writer_.write(bytes));
-    }
-    if (isGiftiFileName(output_)) {
-      ASSIGN_OR_RETURN(const std::string bytes, sphereGifti(mesh, std::move(tags), output_));
-      RETURN_IF_ERROR(output_writer_.write(bytes));
-    } else if (!output_.empty()) {
-      RETURN_IF_ERROR(writeTexturedObj(
-          mesh, [this](std::string_view text) { return output_writer_.write(text); }));
-    }
-    if (draws()) {
-      ASSIGN_OR_RETURN(const std::string bytes, pictureOf(client, arguments_, input, mesh));
-      RETURN_IF_ERROR(picture_writer_.write(bytes));
-      RETURN_IF_ERROR(picture_writer_.commit());
-    }
-    if (!carried_.empty()) RETURN_IF_ERROR(carried_writer_.commit());
-    return output_.empty() ? Status() : output_writer_.commit();
-  }
-
- private:
-  bool draws() const { return arguments_.has("picture"); }
-
-  std::string output_, carried_, carried_name_;
-  FileWriter output_writer_, carried_writer_, picture_writer_;
-  const Arguments& arguments_;
-};
-
 std::string writtenLine(const std::string& path, const ParameterizedMesh& mesh) {
   const auto count = [](std::size_t numbers, std::size_t columns) {
     return static_cast<long long>(numbers / columns);
@@ -239,7 +181,7 @@ Status runParameterize(Session& session, const Arguments& arguments) {
   v1::ParameterizeRequest request;
   ASSIGN_OR_RETURN(*request.mutable_options(), optionsOf(arguments));
   *request.mutable_prepare() = prepareOf(arguments);
-  Outputs outputs(arguments);
+  ParameterizeFiles outputs(arguments);
   request.set_omit_arrays(!outputs.wanted());
   ASSIGN_OR_RETURN(const RegistrationFiles registration,
                    RegistrationFiles::open(session, arguments));
@@ -274,6 +216,11 @@ Status runParameterize(Session& session, const Arguments& arguments) {
     written += safe(arguments.text("carried")) + ": " +
                counted(static_cast<long long>(result->carried.size()), "value", "values") + "\n";
   }
+  if (arguments.has("atlas")) {
+    written += safe(arguments.text("atlas")) + ": " +
+               counted(result->result.atlas().charts(), "chart", "charts") + ", " +
+               counted(result->result.atlas().transitions(), "transition", "transitions") + "\n";
+  }
   return session.print(parameterizationReport(mesh.name(), result->result) + written);
 }
 
@@ -294,22 +241,10 @@ std::optional<std::string> checkParameterize(const Arguments& arguments) {
     return rectangle ? "--to rectangle needs its four corners: --corners a,b,c,d"
                      : "--corners are those of --to rectangle";
   }
+  if (const auto wrong = checkPlaneOptions(arguments)) return wrong;
   if (const auto wrong = checkPicture(arguments)) return wrong;
   if (auto complaint = checkRegistrationArguments(arguments)) return complaint;
-  if (!arguments.has("output")) return std::nullopt;
-  const std::string output = arguments.text("output");
-  const std::size_t dot = output.rfind('.');
-  const std::string extension = dot == std::string::npos ? "" : spelled(output.substr(dot));
-  if (extension == ".obj") return std::nullopt;
-  if (isGiftiFileName(output)) {
-    if (arguments.text("to") == "sphere") return std::nullopt;
-    return "GIFTI holds no texture points: .gii is for --to sphere, --output must end in .obj, not "
-           "'" +
-           output + "'";
-  }
-  return "the result is written as OBJ, which holds the map as texture points: --output must end "
-         "in .obj (with --to sphere also .gii or .gii.gz), not '" +
-         output + "'";
+  return checkParameterizeFiles(arguments);
 }
 
 std::vector<OptionSpec> parameterizeOptions() {
@@ -317,14 +252,9 @@ std::vector<OptionSpec> parameterizeOptions() {
       {.names = "--to",
        .value = "TARGET",
        .help = "Where to",
-       .choices = {"sphere", "disk", "circle-domain", "rectangle", "flat", "hyperbolic"},
+       .choices = {"sphere", "disk", "circle-domain", "rectangle", "torus", "flat", "polycube",
+                   "atlas", "quads", "hyperbolic"},
        .required = true},
-      {.names = "-o,--output",
-       .value = "OUT.obj",
-       .help = "Write the surface with its map; without it the certificate is printed alone. With "
-               "--to sphere also OUT.gii or OUT.gii.gz: a GIFTI surface of radius 1 with the tags "
-               "of a GIFTI input",
-       .completion = Completion::kFile},
       {.names = "--method",
        .value = "METHOD",
        .help = "How maps to the sphere and to disks are found (auto): 'robust' flattens with flips "
@@ -344,8 +274,10 @@ std::vector<OptionSpec> parameterizeOptions() {
        .help = "Cut faces where no map of the given ones is free of folds (auto), or fail there",
        .choices = {"auto", "off"}},
       {.names = "--cones",
-       .value = "FILE",
-       .help = "Lines 'vertex curvature' (radians): where the plane has cones",
+       .value = "FILE|auto",
+       .help = "With --to flat: lines 'vertex curvature' (radians) where the plane has cones, or "
+               "'auto': chosen to take stretching out. With --to polycube: its corners, of "
+               "curvature pi/2 or -pi/2; chosen unless given",
        .completion = Completion::kFile},
       {.names = "--boundary",
        .value = "RULE|FILE",
@@ -363,6 +295,10 @@ std::vector<OptionSpec> parameterizeOptions() {
        .help = "How the metric is found (newton)",
        .choices = {"newton", "flow"}},
       initialDelaunayOption()};
+  std::vector<OptionSpec> files = parameterizeFileOptions();
+  options.insert(options.begin() + 1, std::move_iterator(files.begin()),
+                 std::move_iterator(files.end()));
+  for (OptionSpec& option : planeOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : pictureOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : registrationOptions()) options.push_back(std::move(option));
   for (OptionSpec& option : prepareOptions()) options.push_back(std::move(option));
@@ -384,7 +320,15 @@ std::vector<CommandSpec> parameterizeCommands() {
            "metric that has the same angles, as far as a discrete one can, and is flat but for the "
            "cones that --cones names, cut open through them and laid out at the area of the "
            "surface; on a closed surface the curvatures of the cones must sum to 2 pi times its "
-           "Euler characteristic: 4 pi on a sphere; a torus needs none. --to hyperbolic: a surface "
+           "Euler characteristic: 4 pi on a sphere; a torus needs none. --cones auto chooses them. "
+           "--to torus: a surface with one handle, a fundamental domain of its lattice; copies of "
+           "it "
+           "fill the plane, and the picture shows them. --to polycube: a closed surface, flat but "
+           "for corners of cubes. --to atlas: a closed surface, flat but for extraordinary points, "
+           "with a chart around every other vertex. --to quads: a closed surface with handles, by "
+           "a "
+           "form whose periods are whole: the lines of the unit squares go on across every cut. "
+           "--to hyperbolic: a surface "
            "with more handles or holes than those, cut open, into the Poincaré disk, by the metric "
            "of curvature -1 for which its boundary is geodesic; the picture shows the copies "
            "beside it, and the shortest closed geodesics there and on the surface. OUT.obj keeps "
@@ -411,10 +355,15 @@ std::vector<CommandSpec> parameterizeCommands() {
        .examples = "moduli parameterize bunny.obj --to sphere -o sphere.obj --picture sphere.png\n"
                    "moduli parameterize lh.pial --to sphere --reference rh.pial --mirror --field "
                    "lh.sulc --reference-field rh.sulc -o lh.sphere.gii\n"
+                   "moduli parameterize bunny.obj --to flat --cones cones.txt -o bunny.glb\n"
                    "moduli parameterize face.obj --to disk --mobius 1,0.3i,-0.3i,1 -o disk.obj\n"
                    "moduli parameterize face.obj --to rectangle --corners 0,40,80,120 --json\n"
                    "moduli parameterize plate.obj --to circle-domain -o circles.obj\n"
-                   "moduli parameterize torus.ply --to flat -o flat.obj\n"
+                   "moduli parameterize torus.ply --to torus -o flat.obj --picture tiles.png\n"
+                   "moduli parameterize kitten.obj --to quads --most-squares 4000 -o squares.obj\n"
+                   "moduli parameterize spot.obj --to flat --cones auto --seamless -o uv.obj\n"
+                   "moduli parameterize spot.obj --to polycube --picture cubes.png\n"
+                   "moduli parameterize pretzel.off --to atlas --atlas charts.json\n"
                    "moduli parameterize pretzel.off --to hyperbolic --picture disk.svg\n"
                    "moduli parameterize bunny.obj --to flat --cones cones.txt -o bunny-uv.obj\n"
                    "moduli parameterize face.obj --to flat --boundary circle --json"}};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "client/cli/command.h"
+#include "client/cli/map_picture.h"
 #include "client/cli/mesh_argument.h"
 #include "client/cpp/client.h"
 #include "client/cpp/parameterized_mesh.h"
@@ -12,15 +13,26 @@
 
 namespace moduli::cli {
 
-/// --picture, --size and --view of `parameterize`.
+/// --picture, --draw, --size and --view of `parameterize`.
 std::vector<OptionSpec> pictureOptions();
 
 /// What is wrong with them, if anything.
 std::optional<std::string> checkPicture(const Arguments& arguments);
 
-/// The bytes of the picture that they ask for. map: with its arrays. A map to the sphere needs the
-/// mesh itself once more, for its place in space. Fails as reading it does, and with kInternal.
-Result<std::string> pictureOf(Client& client, const Arguments& arguments, const MeshArgument& mesh,
-                              const ParameterizedMesh& map);
+/// A map with what its picture needs beside it.
+class DrawnMap {
+ public:
+  /// map: with its arrays; has to stay. Maps to the sphere need the mesh itself once more, for its
+  /// place in space. Fails as reading it does, and as checkDrawable.
+  static Result<DrawnMap> open(Client& client, const Arguments& arguments, const MeshArgument& mesh,
+                               const ParameterizedMesh& map);
+
+  /// What the arguments ask for. Valid while this object is.
+  MapPicture picture() const;
+
+ private:
+  MapPicture picture_;
+  std::vector<double> space_, field_;
+};
 
 }  // namespace moduli::cli

@@ -48,6 +48,15 @@ Vec3 upOf(const Vec3& eye) {
 
 }  // namespace
 
+Result<PictureDraw> parsePictureDraw(const std::string& word) {
+  static constexpr std::array<std::string_view, 4> kNames = {"checker", "dilatation", "scale",
+                                                             "layout"};
+  const auto found = std::find(kNames.begin(), kNames.end(), word);
+  if (found != kNames.end()) return static_cast<PictureDraw>(found - kNames.begin());
+  return Status(Reason::kInvalidOption,
+                "'" + word + "' is nothing to draw: it is checker, dilatation, scale or layout");
+}
+
 Result<PictureFormat> parsePictureFormat(const std::string& path) {
   const std::size_t dot = path.rfind('.');
   std::string extension = dot == std::string::npos ? "" : path.substr(dot);

@@ -11,6 +11,17 @@ namespace moduli::cli {
 
 enum class PictureFormat : std::uint8_t { kPng, kSvg };
 
+/// What a picture of a map shows.
+enum class PictureDraw : std::uint8_t {
+  kChecker,     ///< One pattern on the surface and its image.
+  kDilatation,  ///< How far faces are from keeping their angles.
+  kScale,       ///< How much longer lengths become.
+  kLayout,      ///< Islands and seams, each seam in one colour on both of its sides.
+};
+
+/// "checker", "dilatation", "scale" or "layout". Fails with kInvalidOption.
+Result<PictureDraw> parsePictureDraw(const std::string& word);
+
 /// Of a file's name, by its extension in any case. Fails with kInvalidOption.
 Result<PictureFormat> parsePictureFormat(const std::string& path);
 

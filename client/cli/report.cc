@@ -5,18 +5,12 @@
 #include <vector>
 
 #include "client/cli/output.h"
+#include "client/cli/plane_report.h"
+#include "client/cli/report_lines.h"
 #include "client/cpp/client.h"
 
 namespace moduli::cli {
 namespace {
-
-// "  label      text".
-std::string line(const std::string& label, const std::string& text) {
-  constexpr std::size_t kLabelWidth = 13;
-  std::string padded = label;
-  if (padded.size() < kLabelWidth) padded.resize(kLabelWidth, ' ');
-  return "  " + padded + " " + text + "\n";
-}
 
 std::string surfaceWords(const v1::Topology& topology) {
   std::string words = topology.has_genus() ? "genus " + std::to_string(topology.genus()) + ", "
@@ -44,19 +38,6 @@ std::string firstElements(const v1::Defect& defect) {
     text += (i == 0 ? "" : " ") + std::to_string(defect.elements(i));
   }
   return defect.count() > kShown ? text + " ..." : text;
-}
-
-std::string spectrumText(const google::protobuf::RepeatedField<double>& spectrum) {
-  constexpr int kShown = 5;
-  std::string text;
-  for (int i = 0; i < spectrum.size() && i < kShown; ++i) {
-    text += (i == 0 ? "" : "  ") + brief(spectrum.Get(i));
-  }
-  return spectrum.size() > kShown ? text + "  ... (" + std::to_string(spectrum.size()) + ")" : text;
-}
-
-std::string complexText(const v1::Complex& z) {
-  return brief(z.re()) + (z.im() < 0 ? " - " : " + ") + brief(std::abs(z.im())) + " i";
 }
 
 std::string errorText(bool has, double error) {
@@ -125,12 +106,6 @@ std::string conformalLines(const v1::ConformalBlock& block) {
     text += line("", "twists " + spectrumText(block.fenchel_nielsen().twists()));
   }
   return text + circleLines(block.circles());
-}
-
-std::string joinedLine(const std::string& label, const std::vector<std::string>& parts) {
-  std::string joined;
-  for (const std::string& part : parts) joined += (joined.empty() ? "" : ", ") + part;
-  return joined.empty() ? "" : line(label, joined);
 }
 
 std::string warningLines(const google::protobuf::RepeatedPtrField<std::string>& warnings) {
@@ -215,10 +190,59 @@ std::string metricLine(const v1::ParameterizationCertificate& certificate) {
   if (certificate.has_spectrum_complete_to()) {
     parts.push_back("geodesics complete up to " + brief(certificate.spectrum_complete_to()));
   }
+  if (certificate.has_holonomy_residual()) {
+    parts.push_back("holonomy to " + brief(certificate.holonomy_residual()));
+  }
   if (certificate.has_boundary_deviation()) {
     parts.push_back("boundary in place up to " + brief(certificate.boundary_deviation()));
   }
   return joinedLine("metric", parts);
+}
+
+// How far the map is from an isometry.
+std::string mapQualityLine(const v1::ParameterizationCertificate& certificate) {
+  std::vector<std::string> parts;
+  if (certificate.has_flipped_faces()) {
+    parts.push_back(counted(certificate.flipped_faces(), "flipped face", "flipped faces"));
+  }
+  if (certificate.has_mean_dilatation()) {
+    parts.push_back("dilatation " + brief(certificate.mean_dilatation()) + " on average");
+  }
+  if (certificate.has_dilatation_95()) {
+    parts.push_back(brief(certificate.dilatation_95()) + " or less on 95 % of the area");
+  }
+  if (certificate.has_max_dilatation()) {
+    parts.push_back(brief(certificate.max_dilatation()) + " at most");
+  }
+  if (certificate.has_area_distortion()) {
+    parts.push_back("areas change by e^" + brief(certificate.area_distortion()));
+  }
+  return joinedLine("quality", parts);
+}
+
+std::string layoutLines(const v1::Parameterization& result) {
+  const v1::ParameterizationCertificate& certificate = result.certificate();
+  std::vector<std::string> parts;
+  if (result.has_layout()) {
+    const v1::LayoutMeasures& layout = result.layout();
+    std::string faces = counted(layout.mapped_faces(), "face", "faces");
+    if (layout.mapped_faces() != layout.faces()) {
+      faces =
+          std::to_string(layout.mapped_faces()) + " of " + counted(layout.faces(), "face", "faces");
+    }
+    parts.push_back(faces);
+    parts.push_back(counted(layout.islands(), "island", "islands"));
+    parts.push_back(layout.seam_length() > 0
+                        ? "seams of " + brief(layout.seam_length()) + " times the root of the area"
+                        : "no seams");
+  }
+  if (certificate.has_layout_closure()) {
+    parts.push_back("closes to " + brief(certificate.layout_closure()));
+  }
+  if (certificate.has_mollification() && certificate.mollification() > 0) {
+    parts.push_back("edges lengthened by " + brief(certificate.mollification()) + " of their mean");
+  }
+  return joinedLine("layout", parts);
 }
 
 std::string hyperbolicLines(const v1::HyperbolicDomain& domain) {
@@ -242,6 +266,7 @@ std::string domainLines(const v1::Parameterization& result) {
   if (result.has_modulus()) text += line("modulus", brief(result.modulus()));
   text += circleLines(result.circles());
   if (result.has_hyperbolic()) text += hyperbolicLines(result.hyperbolic());
+  text += planeLines(result);
   if (result.refined()) {
     text += line("refined", counted(result.added_vertices(), "vertex", "vertices") + " and " +
                                 counted(result.added_faces(), "face", "faces") + " added");
@@ -310,6 +335,18 @@ std::string timeLine(const google::protobuf::Map<std::string, double>& timing) {
   return seconds > 0 ? line("time", brief(seconds) + " s") : "";
 }
 
+// The sum, then the stages that matter, the longest first.
+std::string stageLines(const google::protobuf::Map<std::string, double>& timing) {
+  std::vector<std::pair<double, std::string>> stages;
+  for (const auto& [stage, time] : timing) stages.emplace_back(-time, safe(stage));
+  std::sort(stages.begin(), stages.end());
+  std::vector<std::string> parts;
+  for (const auto& [time, stage] : stages) {
+    if (time <= stages.front().first / 50) parts.push_back(stage + " " + brief(-time) + " s");
+  }
+  return timeLine(timing) + joinedLine("", parts);
+}
+
 }  // namespace
 
 std::string inspectionReport(const std::string& title, const v1::Inspection& inspection) {
@@ -353,8 +390,8 @@ std::string parameterizationReport(const std::string& title, const v1::Parameter
          line("target", v1::ParameterizationOptions::Target_Name(result.target())) +
          domainLines(result) + metricLine(certificate) +
          (result.has_registration() ? registrationLines(result.registration()) : "") +
-         joinedLine("quality", mapParts(certificate)) + warningLines(certificate.warnings()) +
-         timeLine(result.timing());
+         mapQualityLine(certificate) + layoutLines(result) + warningLines(certificate.warnings()) +
+         stageLines(result.timing());
 }
 
 std::string matchReport(const std::string& title, const v1::SurfaceMatch& result) {
@@ -395,108 +432,6 @@ std::string shapeReport(const v1::Shape& shape) {
                        ", " + brief(shape.mesh_bytes()) + " bytes");
   text += line("digest", safe(shape.digest()));
   return text + signatureReport("", shape.signature());
-}
-
-namespace {
-
-// Of a SearchResult or a QueryResult.
-template <typename Message>
-std::string hitsReport(const Message& result) {
-  if (result.hits().empty()) return "nothing found\n";
-  std::vector<std::string> head = {"#", "distance", "name", "label"};
-  for (const v1::PartDistance& part : result.hits(0).parts()) head.push_back(safe(part.name()));
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::SearchHit& hit : result.hits()) {
-    std::vector<std::string> row = {std::to_string(rows.size() + 1), brief(hit.distance()),
-                                    safe(hit.name()), safe(hit.label())};
-    for (const v1::PartDistance& part : hit.parts()) row.push_back(brief(part.distance()));
-    row.resize(head.size());
-    rows.push_back(std::move(row));
-  }
-  std::string text = alignedTable(head, rows);
-  if (result.has_recall()) {
-    text +=
-        "approximate: finds " + brief(100 * result.recall()) + "% of the nearest, as measured\n";
-  } else if (!result.exact()) {
-    text += "approximate: a nearer shape may have been missed\n";
-  }
-  return text;
-}
-
-}  // namespace
-
-std::string searchReport(const v1::SearchResult& result) {
-  return hitsReport(result);
-}
-
-std::string batchReport(const std::vector<v1::QueryResult>& results) {
-  std::string text;
-  for (const v1::QueryResult& result : results) {
-    if (!text.empty()) text += "\n";
-    text += safe(result.query()) + "\n";
-    if (!result.has_failure()) {
-      text += hitsReport(result);
-      continue;
-    }
-    const v1::QueryFailure& failure = result.failure();
-    text += "failed: " + safe(failure.message()) + " (" + safe(failure.reason()) + ")";
-    text += (failure.hint().empty() ? "" : "; " + safe(failure.hint())) + "\n";
-  }
-  return text.empty() ? "nothing to search for\n" : text;
-}
-
-std::string evaluationReport(const std::string& title, const v1::Evaluation& evaluation,
-                             bool confusion) {
-  const auto row = [](const std::string& label, int members, const auto& scores) {
-    return std::vector<std::string>{label,
-                                    std::to_string(members),
-                                    brief(scores.nearest_neighbour()),
-                                    brief(scores.first_tier()),
-                                    brief(scores.second_tier()),
-                                    brief(scores.mean_average_precision()),
-                                    brief(scores.dcg())};
-  };
-  std::vector<std::vector<std::string>> rows = {row("all", evaluation.queries(), evaluation)};
-  for (const v1::Evaluation::PerClass& one : evaluation.per_class()) {
-    rows.push_back(row(safe(one.label()), one.members(), one));
-  }
-  std::string text = safe(title) + ", space " + v1::Signature::Space_Name(evaluation.space()) +
-                     "\n" +
-                     alignedTable({"label", "queries", "nearest", "first tier", "second tier",
-                                   "mean average precision", "gain"},
-                                  rows);
-  if (evaluation.without_numbers() > 0) {
-    text += counted(evaluation.without_numbers(), "labelled shape has", "labelled shapes have") +
-            " no numbers in this space\n";
-  }
-  if (evaluation.tied() > 0) {
-    text += counted(evaluation.tied(), "query has", "queries have") +
-            " right and wrong shapes at the same smallest distance\n";
-  }
-  if (!confusion) return text;
-  for (const v1::Evaluation::PerClass& one : evaluation.per_class()) {
-    // By label: the map has no order of its own.
-    std::vector<std::string> firsts;
-    for (const auto& [label, count] : one.nearest()) {
-      firsts.push_back((label.empty() ? "(none)" : safe(label)) + " " + std::to_string(count));
-    }
-    std::sort(firsts.begin(), firsts.end());
-    text += joinedLine(safe(one.label()), firsts);
-  }
-  return text;
-}
-
-std::string duplicatesReport(const std::string& title, const v1::Duplicates& duplicates) {
-  std::string text = safe(title) + ": " + counted(duplicates.clusters_size(), "group", "groups") +
-                     " among " + counted(duplicates.shapes(), "shape", "shapes") + "\n";
-  std::vector<std::vector<std::string>> rows;
-  for (const v1::DuplicateCluster& cluster : duplicates.clusters()) {
-    std::string names;
-    for (const std::string& name : cluster.names())
-      names += (names.empty() ? "" : ", ") + safe(name);
-    rows.push_back({std::to_string(cluster.names_size()), brief(cluster.linkage()), names});
-  }
-  return rows.empty() ? text : text + alignedTable({"shapes", "distance", "names"}, rows);
 }
 
 }  // namespace moduli::cli

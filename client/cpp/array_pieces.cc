@@ -13,7 +13,14 @@ static_assert(std::endian::native == std::endian::little);
 constexpr std::size_t kLargestChunk = std::size_t{1} << 20;
 
 std::size_t numberSize(const ArrayKind& kind) {
-  return kind.number == ArrayKind::Number::kDouble ? sizeof(double) : sizeof(std::int32_t);
+  switch (kind.number) {
+    case ArrayKind::Number::kDouble:
+      return sizeof(double);
+    case ArrayKind::Number::kInt32:
+      return sizeof(std::int32_t);
+    default:
+      return 1;
+  }
 }
 
 // In bytes; at most 2^31 x 7 x 8.
@@ -32,7 +39,7 @@ void append(const std::string& bytes, std::vector<Number>& numbers) {
 }  // namespace
 
 ArrayPieces::ArrayPieces(const std::vector<ArrayKind>& kinds) {
-  for (const ArrayKind& kind : kinds) states_.push_back({kind, -1, 0, {}, {}});
+  for (const ArrayKind& kind : kinds) states_.push_back({kind, -1, 0, {}, {}, {}});
 }
 
 ArrayPieces::State* ArrayPieces::find(v1::ArrayChunk::Array array) {
@@ -73,6 +80,8 @@ Status ArrayPieces::take(const v1::ArrayChunk& chunk) {
   state->received += size;
   if (kind.number == ArrayKind::Number::kDouble) {
     append(chunk.data(), state->doubles);
+  } else if (kind.number == ArrayKind::Number::kByte) {
+    state->bytes += chunk.data();
   } else {
     append(chunk.data(), state->integers);
   }
@@ -111,6 +120,10 @@ std::vector<double> ArrayPieces::takeDoubles(v1::ArrayChunk::Array array) {
 
 std::vector<std::int32_t> ArrayPieces::takeIntegers(v1::ArrayChunk::Array array) {
   return std::move(find(array)->integers);
+}
+
+std::string ArrayPieces::takeBytes(v1::ArrayChunk::Array array) {
+  return std::move(find(array)->bytes);
 }
 
 Status brokenArray(const std::string& array, const std::string& what) {

@@ -11,7 +11,7 @@ namespace moduli {
 
 /// What an array of an answer is.
 struct ArrayKind {
-  enum class Number : std::uint8_t { kDouble, kInt32 };
+  enum class Number : std::uint8_t { kDouble, kInt32, kByte };
 
   v1::ArrayChunk::Array array;
   std::int32_t columns;
@@ -37,6 +37,7 @@ class ArrayPieces {
   const std::vector<std::int32_t>& integers(v1::ArrayChunk::Array array) const;
   std::vector<double> takeDoubles(v1::ArrayChunk::Array array);
   std::vector<std::int32_t> takeIntegers(v1::ArrayChunk::Array array);
+  std::string takeBytes(v1::ArrayChunk::Array array);
 
  private:
   struct State {
@@ -45,6 +46,7 @@ class ArrayPieces {
     std::uint64_t received = 0;  ///< Bytes.
     std::vector<double> doubles;
     std::vector<std::int32_t> integers;
+    std::string bytes;
   };
 
   State* find(v1::ArrayChunk::Array array);

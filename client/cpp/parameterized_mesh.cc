@@ -35,7 +35,9 @@ ArrayAssembler::ArrayAssembler()
                {Chunk::POINTS, 2, Number::kDouble, true},
                {Chunk::CORNERS, 3, Number::kInt32, true},
                {Chunk::CARRIED, 1, Number::kDouble, false},
-               {Chunk::GEODESICS, 7, Number::kDouble, false}}) {}
+               {Chunk::GEODESICS, 7, Number::kDouble, false},
+               {Chunk::ATLAS_JSON, 1, Number::kByte, false},
+               {Chunk::PARENTS, 1, Number::kInt32, false}}) {}
 
 Result<ParameterizedMesh> ArrayAssembler::finish() {
   RETURN_IF_ERROR(pieces_.checkComplete());
@@ -53,6 +55,7 @@ Result<ParameterizedMesh> ArrayAssembler::finish() {
   if (pieces_.rows(Chunk::CARRIED) > pieces_.rows(Chunk::POSITIONS)) {
     return brokenArray("CARRIED", "has more rows than there are vertices");
   }
+  if (pieces_.rows(Chunk::PARENTS) >= 0) RETURN_IF_ERROR(checkParents());
   for (const Chunk::Array array : {Chunk::POINTS, Chunk::CARRIED, Chunk::GEODESICS}) {
     if (!areFinite(pieces_.doubles(array))) {
       return brokenArray(Chunk::Array_Name(array), "has a number that is not finite");
@@ -65,7 +68,24 @@ Result<ParameterizedMesh> ArrayAssembler::finish() {
   mesh.corners = pieces_.takeIntegers(Chunk::CORNERS);
   mesh.carried = pieces_.takeDoubles(Chunk::CARRIED);
   mesh.geodesics = pieces_.takeDoubles(Chunk::GEODESICS);
+  mesh.atlas = pieces_.takeBytes(Chunk::ATLAS_JSON);
+  mesh.parents = pieces_.takeIntegers(Chunk::PARENTS);
   return mesh;
+}
+
+// Every face of the file has its pieces, in its place.
+Status ArrayAssembler::checkParents() const {
+  if (pieces_.rows(Chunk::PARENTS) != pieces_.rows(Chunk::FACES)) {
+    return brokenArray("PARENTS", "has not as many rows as there are faces");
+  }
+  std::int32_t last = -1;
+  for (const std::int32_t parent : pieces_.integers(Chunk::PARENTS)) {
+    if (parent < 0 || (parent != last && parent != last + 1)) {
+      return brokenArray("PARENTS", "leaves faces out, or is not ascending");
+    }
+    last = parent;
+  }
+  return {};
 }
 
 Status checkGeodesics(const ParameterizedMesh& mesh) {

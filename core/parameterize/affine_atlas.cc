@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "core/base/text.h"
@@ -89,26 +90,26 @@ void writeList(std::string& text, const char* key, Index count, const Item& item
   text.append("],\n");
 }
 
-std::string chartText(const AffineAtlas& atlas, Index v) {
+std::string chartText(const AffineAtlas& atlas, const std::vector<Index>& number, Index v) {
   if (!atlas.has_chart[v]) return {};
   std::string neighbours, places;
   const Index first = atlas.surface.outgoing(v);
   Index h = first;
   do {
     const char* separator = h == first ? "" : ", ";
-    neighbours.append(separator).append(std::to_string(atlas.surface.head(h)));
+    neighbours.append(separator).append(std::to_string(number[atlas.surface.head(h)]));
     places.append(separator).append(pairOf(atlas.spoke[h]));
     h = atlas.surface.rotate(h);
   } while (h != first);
-  return "{\"vertex\": " + std::to_string(v) + ", \"neighbours\": [" + neighbours +
+  return "{\"vertex\": " + std::to_string(number[v]) + ", \"neighbours\": [" + neighbours +
          "], \"points\": [" + places + "]}";
 }
 
-std::string transitionText(const AffineAtlas& atlas, Index e) {
+std::string transitionText(const AffineAtlas& atlas, const std::vector<Index>& number, Index e) {
   const Index h = atlas.surface.halfedge(e);
   const Index from = atlas.surface.tail(h), to = atlas.surface.head(h);
   if (!atlas.has_chart[from] || !atlas.has_chart[to]) return {};
-  return "{\"from\": " + std::to_string(from) + ", \"to\": " + std::to_string(to) +
+  return "{\"from\": " + std::to_string(number[from]) + ", \"to\": " + std::to_string(number[to]) +
          ", \"angle\": " + shortestDouble(std::arg(atlas.transition[h].turn)) +
          ", \"translation\": " + pairOf(atlas.transition[h].shift) + "}";
 }
@@ -128,20 +129,29 @@ AffineAtlas atlasOfCharts(const Connectivity& surface, const FlatCharts& charts,
 }
 
 std::string writeAtlasJson(const AffineAtlas& atlas) {
+  std::vector<Index> number(atlas.surface.vertexCount());
+  std::iota(number.begin(), number.end(), 0);
+  return writeAtlasJson(atlas, number, atlas.surface.vertexCount());
+}
+
+std::string writeAtlasJson(const AffineAtlas& atlas, const std::vector<Index>& number,
+                           Index vertices) {
   const Connectivity& surface = atlas.surface;
   std::string text = "{\n  \"format\": \"moduli-affine-atlas\",\n  \"version\": 1,\n";
-  text.append("  \"vertices\": ").append(std::to_string(surface.vertexCount())).append(",\n");
+  text.append("  \"vertices\": ").append(std::to_string(vertices)).append(",\n");
   writeList(text, "faces", surface.faceCount(), [&](Index f) {
     const auto& [a, b, c] = surface.face(f);
-    return "[" + std::to_string(a) + ", " + std::to_string(b) + ", " + std::to_string(c) + "]";
+    return "[" + std::to_string(number[a]) + ", " + std::to_string(number[b]) + ", " +
+           std::to_string(number[c]) + "]";
   });
   writeList(text, "extraordinary", static_cast<Index>(atlas.cones.size()), [&](Index n) {
-    return "{\"vertex\": " + std::to_string(atlas.cones[n].vertex) +
+    return "{\"vertex\": " + std::to_string(number[atlas.cones[n].vertex]) +
            ", \"curvature\": " + shortestDouble(atlas.cones[n].curvature) + "}";
   });
-  writeList(text, "charts", surface.vertexCount(), [&](Index v) { return chartText(atlas, v); });
+  writeList(text, "charts", surface.vertexCount(),
+            [&](Index v) { return chartText(atlas, number, v); });
   writeList(text, "transitions", surface.edgeCount(),
-            [&](Index e) { return transitionText(atlas, e); });
+            [&](Index e) { return transitionText(atlas, number, e); });
   text.append("  \"overlap_residual\": ").append(shortestDouble(atlas.overlap_residual));
   text.append(",\n  \"cocycle_residual\": ").append(shortestDouble(atlas.cocycle_residual));
   text.append("\n}\n");

@@ -59,4 +59,9 @@ AffineAtlas atlasOfCharts(const Connectivity& surface, const FlatCharts& charts,
 /// shortest decimals that read back as the same doubles. O(F).
 std::string writeAtlasJson(const AffineAtlas& atlas);
 
+/// The same with other numbers for its vertices. number: per vertex of the atlas's surface,
+/// distinct; vertices: what that key says. O(F).
+std::string writeAtlasJson(const AffineAtlas& atlas, const std::vector<Index>& number,
+                           Index vertices);
+
 }  // namespace moduli

@@ -6,6 +6,7 @@
 #include "core/base/context.h"
 #include "core/base/status.h"
 #include "core/mesh/connectivity.h"
+#include "core/parameterize/parameterization.h"
 #include "core/ricci/target_curvature.h"
 
 /// Cones that take the stretching out of a flat metric.
@@ -48,5 +49,11 @@ struct ChosenCones {
 /// and one back-substitution a cone. Source: Ben-Chen, Gotsman, Bunin 2008; MATH 6.4.
 Result<ChosenCones> chooseCones(Context& context, const Connectivity& surface,
                                 const std::vector<double>& lengths, const ConeOptions& options);
+
+/// Tells in a result how its cones were chosen. domain: of that result.
+inline void tellChoice(const ChosenCones& chosen, ConeDomain& domain) {
+  domain.spread = chosen.spread;
+  domain.spread_before = chosen.spread_before;
+}
 
 }  // namespace moduli

@@ -100,6 +100,8 @@ struct ConeDomain {
   std::vector<Cone> cones;  ///< At vertices of the surface.
   /// How directions turn around the handles of a closed surface: see handleTurns.
   std::vector<double> handle_turns;
+  /// Of cones that were chosen, as in ChosenCones.
+  std::optional<double> spread, spread_before;
 };
 
 /// What belongs to an integral of a closed form whose periods are Gaussian integers.

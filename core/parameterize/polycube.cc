@@ -58,14 +58,15 @@ Result<Parameterization> parameterizePolycube(Context& context, const Connectivi
   flat.initial_delaunay = options.initial_delaunay;
   flat.refine = options.refine;
   flat.cut_overlaps = options.cut_overlaps;
+  std::optional<ChosenCones> chosen;
   if (options.corners.empty()) {
     ConeOptions choice;
     choice.spread = options.spread;
     choice.most = options.most_corners;
     choice.quantum = kQuarter;
     choice.most_quanta = 1;
-    ASSIGN_OR_RETURN(ChosenCones chosen, chooseCones(context, surface, lengths, choice));
-    flat.cones = std::move(chosen.cones);
+    ASSIGN_OR_RETURN(chosen, chooseCones(context, surface, lengths, choice));
+    flat.cones = chosen->cones;
   } else {
     RETURN_IF_ERROR(checkCorners(surface, options.corners));
     for (const PolycubeCorner& corner : options.corners) {
@@ -73,6 +74,7 @@ Result<Parameterization> parameterizePolycube(Context& context, const Connectivi
     }
   }
   ASSIGN_OR_RETURN(Parameterization result, parameterizeFlat(context, surface, lengths, flat));
+  if (chosen) tellChoice(*chosen, *result.cones);
   const double residual = distanceFromMultiples(result.cones->handle_turns, kQuarter);
   result.certificate.holonomy_residual = residual;
   if (residual > kClosed) {

@@ -21,6 +21,8 @@ struct ContextDeleter {
 using Surface = std::unique_ptr<cairo_surface_t, SurfaceDeleter>;
 using Drawing = std::unique_ptr<cairo_t, ContextDeleter>;
 
+constexpr Color kDark = {26, 26, 26}, kGrey = {102, 102, 102};
+
 Status cairoError(cairo_status_t status) {
   return {Reason::kInternal, std::string("drawing failed: ") + cairo_status_to_string(status)};
 }
@@ -66,12 +68,12 @@ double widthOf(cairo_t* context, const std::string& text) {
   return extents.x_advance;
 }
 
-void write(cairo_t* context, std::string text, double x, double y, double size, double grey,
+void write(cairo_t* context, std::string text, double x, double y, double size, const Color& color,
            bool bold, double max_width) {
   cairo_select_font_face(context, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
                          bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(context, size);
-  cairo_set_source_rgb(context, grey, grey, grey);
+  cairo_set_source_rgb(context, color.red / 255.0, color.green / 255.0, color.blue / 255.0);
   if (widthOf(context, text) > max_width) {
     while (!text.empty() && widthOf(context, text + "…") > max_width) {
       do text.pop_back();  // Whole UTF-8 sequences only.
@@ -124,7 +126,8 @@ void draw(cairo_t* context, const Shape& shape) {
 
 }  // namespace
 
-Result<Image> drawShapes(const std::vector<Shape>& shapes, int width, int height) {
+Result<Image> drawShapes(const std::vector<Shape>& shapes, int width, int height,
+                         const std::vector<Words>& words) {
   const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height));
   if (const auto status = cairo_surface_status(surface.get()); status != CAIRO_STATUS_SUCCESS) {
     return cairoError(status);
@@ -135,6 +138,9 @@ Result<Image> drawShapes(const std::vector<Shape>& shapes, int width, int height
   cairo_set_line_join(context.get(), CAIRO_LINE_JOIN_ROUND);
   cairo_set_line_cap(context.get(), CAIRO_LINE_CAP_ROUND);
   for (const Shape& shape : shapes) draw(context.get(), shape);
+  for (const Words& w : words) {
+    write(context.get(), w.text, w.x, w.y, w.size, w.color, w.bold, w.max_width);
+  }
   return copyFrom(surface.get());
 }
 
@@ -171,14 +177,14 @@ Result<Image> composeSheet(const std::string& heading, const std::vector<SheetCe
   const Drawing context(cairo_create(surface.get()));
   cairo_set_source_rgb(context.get(), 1, 1, 1);
   cairo_paint(context.get());
-  write(context.get(), heading, kSheetMargin, 29, 18, 0.1, true, width - 2 * kSheetMargin);
+  write(context.get(), heading, kSheetMargin, 29, 18, kDark, true, width - 2 * kSheetMargin);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const int x = kSheetMargin + static_cast<int>(i) % columns * (cell_width + kSheetMargin);
     const int y = kSheetHeading + static_cast<int>(i) / columns * (cell_height + kSheetWords);
     copyTo(surface.get(), cells[i].image, x, y);
     if (cells[i].highlighted) frame(context.get(), x, y, cells[i].image);
-    write(context.get(), cells[i].title, x, y + cell_height + 17, 13, 0.1, true, cell_width);
-    write(context.get(), cells[i].subtitle, x, y + cell_height + 34, 12, 0.4, false, cell_width);
+    write(context.get(), cells[i].title, x, y + cell_height + 17, 13, kDark, true, cell_width);
+    write(context.get(), cells[i].subtitle, x, y + cell_height + 34, 12, kGrey, false, cell_width);
   }
   return copyFrom(surface.get());
 }

@@ -30,6 +30,12 @@ Color sequentialColor(double t) {
   return interpolate(kStops, 6, t);
 }
 
+Color heatColor(double t) {
+  static constexpr Stop kStops[] = {{238, 240, 242}, {250, 222, 142}, {243, 156, 75},
+                                    {214, 80, 66},   {148, 32, 88},   {64, 14, 74}};
+  return interpolate(kStops, 6, t);
+}
+
 Color divergingColor(double t) {
   static constexpr Stop kStops[] = {
       {38, 76, 156}, {130, 166, 214}, {245, 245, 245}, {226, 150, 126}, {164, 32, 50}};

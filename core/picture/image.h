@@ -34,6 +34,10 @@ Result<std::string> encodePng(const Image& image);
 /// A perceptually even colour from dark blue over green to yellow; t is clamped to [0, 1].
 Color sequentialColor(double t);
 
+/// From nearly white over yellow and red to dark violet, ever darker, for what is better small; t
+/// is clamped to [0, 1].
+Color heatColor(double t);
+
 /// Blue, white, red for -1, 0, 1; clamped.
 Color divergingColor(double t);
 

@@ -5,7 +5,8 @@
 
 namespace moduli {
 
-void addShapes(Svg& svg, const std::vector<Shape>& shapes, double x, double y) {
+void addShapes(Svg& svg, const std::vector<Shape>& shapes, double x, double y,
+               const std::vector<Words>& words) {
   for (const Shape& shape : shapes) {
     SvgPath path;
     for (const Outline& outline : shape.outlines) {
@@ -18,6 +19,9 @@ void addShapes(Svg& svg, const std::vector<Shape>& shapes, double x, double y) {
       if (begun && shape.closed) path.close();
     }
     if (!path.empty()) svg.path(path, shape.style);
+  }
+  for (const Words& w : words) {
+    svg.text(w.text, x + w.x, y + w.y, w.size, w.color, w.bold, w.max_width);
   }
 }
 

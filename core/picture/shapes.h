@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "core/picture/image.h"
@@ -21,12 +22,24 @@ struct Shape {
   bool closed = true;  ///< Each outline ends where it begins.
 };
 
-/// Later shapes over earlier ones, on white, with anti-aliasing and round joins. Points that are
-/// not finite end an outline. Fails with kInternal if the library refuses.
-Result<Image> drawShapes(const std::vector<Shape>& shapes, int width, int height);
+/// A line of text: starts at x on the base line y; cut off at about max_width.
+struct Words {
+  std::string text;  ///< UTF-8 without control characters.
+  double x = 0, y = 0;
+  double size = 12;  ///< Pixels.
+  Color color = {26, 26, 26};
+  bool bold = false;
+  double max_width = 1e4;
+};
+
+/// Later shapes over earlier ones, words over all of them, on white, with anti-aliasing and round
+/// joins. Points that are not finite end an outline. Fails with kInternal if the library refuses.
+Result<Image> drawShapes(const std::vector<Shape>& shapes, int width, int height,
+                         const std::vector<Words>& words = {});
 
 /// The same in an SVG, moved by (x, y).
-void addShapes(Svg& svg, const std::vector<Shape>& shapes, double x, double y);
+void addShapes(Svg& svg, const std::vector<Shape>& shapes, double x, double y,
+               const std::vector<Words>& words = {});
 
 /// A circle as an outline.
 Outline circleOutline(double x, double y, double radius);

@@ -85,6 +85,7 @@ v1::ParameterizationCertificate toProto(const MapCertificate& certificate) {
   set(&Message::set_cycle_residual, certificate.cycle_residual);
   set(&Message::set_relation_residual, certificate.relation_residual);
   set(&Message::set_spectrum_complete_to, certificate.spectrum_complete_to);
+  set(&Message::set_holonomy_residual, certificate.holonomy_residual);
   set(&Message::set_mollification, certificate.mollification);
   set(&Message::set_max_dilatation, quality.max_dilatation);
   set(&Message::set_mean_dilatation, quality.mean_dilatation);

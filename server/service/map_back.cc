@@ -31,6 +31,7 @@ class InputFaces {
     for (std::size_t f = 0; f < pieces_.size(); ++f) {
       if (pieces_[f].empty()) add({soup_.faces[f], {kNone, kNone, kNone}});
       for (const Piece& piece : pieces_[f]) add(piece);
+      if (map_.subdivision) result_.parents.resize(result_.faces.size(), static_cast<Index>(f));
     }
     return std::move(result_);
   }
@@ -147,6 +148,7 @@ MappedFaces mapInputFaces(TriangleSoup soup, const PreparedMesh& prepared,
 
 MappedFaces imageAlone(const Connectivity& surface, const Parameterization& map) {
   MappedFaces result;
+  if (map.subdivision) result.parents = map.subdivision->parent;
   const std::vector<Triangle>& faces = map.subdivision ? map.subdivision->faces : surface.faces();
   if (!map.sphere.empty()) {
     result.positions = map.sphere;

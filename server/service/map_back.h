@@ -18,6 +18,7 @@ struct MappedFaces {
   std::vector<Triangle> faces;
   std::vector<std::complex<double>> points;
   std::vector<Triangle> corners;  ///< Per face its points; kNone, three times, where not mapped.
+  std::vector<Index> parents;     ///< Where faces were cut: per face that of the input.
 };
 
 /// All vertices and faces of the input in their order, with the map of those that were mapped.

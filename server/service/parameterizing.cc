@@ -1,5 +1,6 @@
 #include "server/service/parameterizing.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string>
@@ -7,14 +8,14 @@
 
 #include "core/parameterize/circle_domain.h"
 #include "core/parameterize/disk.h"
-#include "core/parameterize/flat.h"
 #include "core/parameterize/hyperbolic.h"
+#include "core/parameterize/layout_measures.h"
 #include "core/parameterize/rectangle.h"
 #include "core/parameterize/sphere.h"
 #include "server/rpc/convert.h"
 #include "server/rpc/convert_parameterization.h"
 #include "server/service/array_chunks.h"
-#include "server/service/cones.h"
+#include "server/service/flat_targets.h"
 #include "server/service/named_vertex.h"
 #include "server/service/registering.h"
 #include "server/service/subject.h"
@@ -28,15 +29,6 @@ static_assert(sizeof(std::complex<double>) == 2 * sizeof(double));
 static_assert(sizeof(Triangle) == 3 * sizeof(std::int32_t));
 
 using Options = v1::ParameterizationOptions;
-
-Result<FlatOptions> flatOptions(const Options& message, const Subject& subject) {
-  FlatOptions options = fromProto(message);
-  ASSIGN_OR_RETURN(options.cones,
-                   conesOnSurface(message.cones(), subject.surface(), subject.places));
-  ASSIGN_OR_RETURN(options.boundary, boundaryRule(message.boundary(), message.cones(),
-                                                  options.cones, subject.surface()));
-  return options;
-}
 
 bool startsDelaunay(const Options& message) {
   return !message.has_initial_delaunay() || message.initial_delaunay();
@@ -111,25 +103,49 @@ Result<Parameterization> mapSurface(Context& context, const Options& message,
     default:
       break;
   }
-  ASSIGN_OR_RETURN(const FlatOptions options, flatOptions(message, subject));
-  return parameterizeFlat(context, surface, lengths, options);
+  return mapToPlane(context, message, subject);
 }
 
-v1::Parameterization describe(const Options& options, const Connectivity& surface,
+// Nothing where cut faces of a gluing make no list of faces.
+std::optional<v1::LayoutMeasures> describeLayout(const Subject& subject,
+                                                 const Parameterization& map) {
+  std::vector<bool> fills;
+  std::size_t faces = static_cast<std::size_t>(subject.surface().faceCount());
+  if (subject.prepared) {
+    for (const Index face : subject.prepared->input_face) fills.push_back(face == kNone);
+    faces = subject.soup.faces.size();
+  }
+  const Result<LayoutMeasures> measures =
+      measureLayout(subject.surface(), subject.lengths, map, fills);
+  if (!measures.ok()) return std::nullopt;
+  // Pieces of faces count each, in what is sent too.
+  const auto given =
+      fills.empty() ? subject.surface().faceCount() : std::count(fills.begin(), fills.end(), false);
+  v1::LayoutMeasures message;
+  message.set_faces(static_cast<int>(faces) + measures->mapped_faces - static_cast<int>(given));
+  message.set_mapped_faces(measures->mapped_faces);
+  message.set_islands(measures->islands);
+  message.set_seam_length(measures->seam_length);
+  return message;
+}
+
+v1::Parameterization describe(const Options& options, const Subject& subject,
                               const Parameterization& map) {
   v1::Parameterization result;
   result.set_target(options.target());
   result.set_refined(map.subdivision.has_value());
   const bool has_methods =
-      options.target() != Options::FLAT && options.target() != Options::HYPERBOLIC;
+      !isFlatTarget(options.target()) && options.target() != Options::HYPERBOLIC;
   if (has_methods) result.set_method(toProto(map.method));
   *result.mutable_certificate() = toProto(map.certificate);
   if (map.modulus) result.set_modulus(*map.modulus);
   for (const Circle& circle : map.circles) *result.add_circles() = toProto(circle);
   if (map.hyperbolic) *result.mutable_hyperbolic() = toProto(*map.hyperbolic);
+  describePlane(subject, map, result);
   if (map.subdivision) {
     result.set_added_vertices(static_cast<int>(map.subdivision->vertices.size()));
-    result.set_added_faces(static_cast<int>(map.subdivision->faces.size()) - surface.faceCount());
+    result.set_added_faces(static_cast<int>(map.subdivision->faces.size()) -
+                           subject.surface().faceCount());
   }
   return result;
 }
@@ -159,11 +175,18 @@ class Parts {
                                      viewOf(v1::ArrayChunk::FACES, 3, surface.faces),
                                      viewOf(v1::ArrayChunk::POINTS, 2, surface.points),
                                      viewOf(v1::ArrayChunk::CORNERS, 3, surface.corners)};
+    if (!surface.parents.empty()) {
+      arrays.push_back(viewOf(v1::ArrayChunk::PARENTS, 1, surface.parents));
+    }
     if (!surface.carried.empty()) {
       arrays.push_back(viewOf(v1::ArrayChunk::CARRIED, 1, surface.carried));
     }
     if (surface.result.has_hyperbolic()) {
       arrays.push_back(viewOf(v1::ArrayChunk::GEODESICS, 7, surface.geodesics));
+    }
+    const std::string& atlas = surface.atlas;
+    if (!atlas.empty()) {
+      arrays.push_back({v1::ArrayChunk::ATLAS_JSON, atlas.size(), 1, atlas.data(), atlas.size()});
     }
     return arrays;
   }
@@ -194,12 +217,16 @@ Result<ParameterizedSurface> parameterizeMesh(Context& context, const Backend& b
   std::vector<std::string>& warnings = map.certificate.warnings;
   warnings.insert(warnings.begin(), subject.warnings.begin(), subject.warnings.end());
   ParameterizedSurface surface;
-  surface.result = describe(request.options(), subject.surface(), map);
+  surface.result = describe(request.options(), subject, map);
+  if (auto layout = describeLayout(subject, map)) {
+    *surface.result.mutable_layout() = *std::move(layout);
+  }
   surface.result.mutable_timing()->insert(context.timing().begin(), context.timing().end());
   if (reference) *surface.result.mutable_registration() = registered.result;
   if (request.omit_arrays()) return surface;
   surface.carried = std::move(registered.carried);
   surface.geodesics = geodesicRows(subject.surface(), subject.positions(), map);
+  surface.atlas = atlasText(subject, map);
   static_cast<MappedFaces&>(surface) =
       subject.intrinsic
           ? imageAlone(subject.surface(), map)

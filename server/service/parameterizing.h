@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/context.h"
@@ -19,6 +20,7 @@ struct ParameterizedSurface : MappedFaces {
   v1::Parameterization result;
   std::vector<double> carried;         ///< Per vertex of the input the reference's field; or empty.
   std::vector<GeodesicRow> geodesics;  ///< Of a map to the Poincaré disk.
+  std::string atlas;                   ///< JSON of an affine atlas; or empty.
 };
 
 /// Loads, parses, prepares and maps the surface of a checked request. The arrays are left empty

@@ -161,8 +161,16 @@ Refusal checkTarget(const v1::ParameterizationOptions& options, const std::strin
          "leave it out, or choose that target"},
         field + "." + name};
   };
+  const bool has_cones = options.target() == Options::FLAT || options.target() == Options::POLYCUBE;
+  if (!has_cones) {
+    if (!options.cones().empty()) return refuse("cones are", "FLAT and POLYCUBE maps", "cones");
+    if (options.has_cone_choice())
+      return refuse("the choice of cones is that", "FLAT and POLYCUBE maps", "cone_choice");
+    if (options.has_cut_overlaps())
+      return refuse("cuts where it lies on itself are those", "FLAT and POLYCUBE maps",
+                    "cut_overlaps");
+  }
   if (options.target() != Options::FLAT) {
-    if (!options.cones().empty()) return refuse("cones are", "FLAT maps", "cones");
     if (options.boundary() != 0)
       return refuse("rules for the boundary are those", "FLAT maps", "boundary");
     if (options.scheme() > Options::VERTEX_SCALING)
@@ -170,6 +178,10 @@ Refusal checkTarget(const v1::ParameterizationOptions& options, const std::strin
     if (options.solver() > Options::NEWTON)
       return refuse("the solver is that", "FLAT maps", "solver");
   }
+  if (options.target() != Options::ATLAS && !options.extraordinary().empty())
+    return refuse("extraordinary points are those", "an ATLAS", "extraordinary");
+  if (options.target() != Options::QUADS && options.has_most_squares())
+    return refuse("the number of squares is that", "QUADS", "most_squares");
   const bool has_methods = options.target() == Options::SPHERE ||
                            options.target() == Options::DISK ||
                            options.target() == Options::CIRCLE_DOMAIN;
@@ -177,6 +189,46 @@ Refusal checkTarget(const v1::ParameterizationOptions& options, const std::strin
     return refuse("the method is that", "SPHERE, DISK and CIRCLE_DOMAIN", "method");
   }
   return {};
+}
+
+Refusal checkConeChoice(const v1::ParameterizationOptions& options, const std::string& parent) {
+  using Options = v1::ParameterizationOptions;
+  if (!options.has_cone_choice()) return {};
+  const v1::ConeChoice& choice = options.cone_choice();
+  const std::string field = parent + ".cone_choice";
+  if (!options.cones().empty()) {
+    return {{Reason::kInvalidOption, "cones are given, and are to be chosen, too",
+             "give them or have them chosen"},
+            field};
+  }
+  if (options.boundary() != Options::BOUNDARY_UNSPECIFIED && options.boundary() != Options::FREE) {
+    return {{Reason::kInvalidOption, "chosen cones lie inside, and leave the boundary free",
+             "leave the rule for the boundary out, or name the cones"},
+            parent + ".boundary"};
+  }
+  if (choice.has_spread() && !(std::isfinite(choice.spread()) && choice.spread() > 0)) {
+    return {{Reason::kInvalidOption, "the spread is not a positive number",
+             "give a difference of logarithms such as 1"},
+            field + ".spread"};
+  }
+  if (choice.has_most() && choice.most() < 0) {
+    return {{Reason::kInvalidOption, "the number of cones is negative", "give 0 or more"},
+            field + ".most"};
+  }
+  if (choice.quarter_turns() && options.target() != Options::FLAT) {
+    return {{Reason::kInvalidOption, "corners of a POLYCUBE have quarter turns in any case",
+             "leave quarter_turns out"},
+            field + ".quarter_turns"};
+  }
+  return {};
+}
+
+Refusal checkQuads(const v1::ParameterizationOptions& options, const std::string& field) {
+  if (!options.has_most_squares()) return {};
+  if (std::isfinite(options.most_squares()) && options.most_squares() > 0) return {};
+  return {{Reason::kInvalidOption, "the number of squares is not a positive number",
+           "give some thousand"},
+          field + ".most_squares"};
 }
 
 Refusal checkMobius(const v1::ParameterizationOptions& options, const std::string& field) {
@@ -320,7 +372,8 @@ Refusal checkParameterization(const v1::ParameterizationOptions& options,
       checkChoice(Options::Solver_IsValid(options.solver()), "solver", options.solver(), field),
       checkChoice(Options::Method_IsValid(options.method()), "method", options.method(), field),
       checkTarget(options, field), checkCones(options, field), checkCorners(options, field),
-      checkMobius(options, field), checkRegistration(options, field));
+      checkConeChoice(options, field), checkQuads(options, field), checkMobius(options, field),
+      checkRegistration(options, field));
 }
 
 Refusal checkMatch(const v1::MatchOptions& options, const std::string& field) {

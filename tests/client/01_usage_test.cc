@@ -27,7 +27,7 @@ TEST_F(Usage, EveryWrongWordExitsTwoWithOneLineAndNoOutput) {
       {"parameterize", "--to", "flat"},
       {"parameterize", "a"},
       {"parameterize", "a", "b", "--to", "flat"},
-      {"parameterize", "a", "--to", "flat", "-o", "a.ply"},
+      {"parameterize", "a", "--to", "flat", "-o", "a.stl"},
       {"parameterize", "a", "--to", "flat", "-o", "obj"},
       {"parameterize", "a", "--to", "flat", "-o", "-"},
       {"parameterize", "a", "--to", "flat", "--scheme", "squeeze"},

@@ -108,8 +108,12 @@ double worstFlatSum(const Obj& out) {
 TEST_F(Parameterize, ATorusNeedsNoCones) {
   sample("torus.obj", {"torus", "resolution=20"});
   const Obj out = map("torus.obj");
-  EXPECT_THAT(report_->keys(),
-              UnorderedElementsAre("target", "refined", "certificate", "timing", "circles"));
+  EXPECT_THAT(report_->keys(), UnorderedElementsAre("target", "refined", "certificate", "timing",
+                                                    "circles", "layout", "cone_metric"));
+  EXPECT_EQ((*report_)["layout"]["faces"].number(), 1600);
+  EXPECT_EQ((*report_)["layout"]["mapped_faces"].number(), 1600);
+  EXPECT_EQ((*report_)["layout"]["islands"].number(), 1);
+  EXPECT_GT((*report_)["layout"]["seam_length"].number(), 0);
   EXPECT_EQ((*report_)["target"].string(), "FLAT");
   EXPECT_FALSE((*report_)["refined"].boolean());
   EXPECT_THAT((*report_)["certificate"].keys(),

@@ -97,6 +97,25 @@ TEST(ArrayAssembler, TakesACarriedFieldAndAnswersWithoutOne) {
               HasSubstr("CARRIED: has a number that is not finite"));
 }
 
+TEST(ArrayAssembler, TakesParentsThatLeaveNoFaceOut) {
+  ArrayAssembler assembler;
+  for (const Chunk& one : square()) ASSERT_OK(assembler.take(one));
+  ASSERT_OK(assembler.take(chunk<std::int32_t>(Chunk::PARENTS, 2, 1, {0, 0})));
+  const auto mesh = assembler.finish();
+  ASSERT_OK(mesh);
+  EXPECT_THAT(mesh->parents, ElementsAre(0, 0));
+  const auto with = [](int rows, const std::vector<std::int32_t>& numbers) {
+    return errorAfter([&](auto& chunks) {
+      chunks.push_back(chunk<std::int32_t>(Chunk::PARENTS, rows, 1, numbers));
+    });
+  };
+  EXPECT_EQ(with(2, {0, 1}), "");
+  EXPECT_THAT(with(1, {0}), HasSubstr("PARENTS: has not as many rows as there are faces"));
+  EXPECT_THAT(with(2, {0, 2}), HasSubstr("PARENTS: leaves faces out"));
+  EXPECT_THAT(with(2, {1, 0}), HasSubstr("PARENTS: leaves faces out"));
+  EXPECT_THAT(with(2, {-1, 0}), HasSubstr("PARENTS: "));
+}
+
 TEST(ArrayAssembler, TakesGeodesicsAndChecksWhoseTheyAre) {
   std::vector<double> rows(3 * 7, 0.25);
   ArrayAssembler assembler;

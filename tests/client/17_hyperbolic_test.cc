@@ -149,7 +149,7 @@ TEST_F(Hyperbolic, OtherSurfacesAreToldWhatTheyAre) {
   sample("g.obj", {"genus", "genus=2", "resolution=2"});
   write("cones.txt", "1 0.5\n");
   expectRefusal({"parameterize", "g.obj", "--to", "hyperbolic", "--cones", "cones.txt"},
-                "cones are of FLAT maps, and the target is HYPERBOLIC");
+                "cones are of FLAT and POLYCUBE maps, and the target is HYPERBOLIC");
   expectRefusal({"parameterize", "g.obj", "--to", "hyperbolic", "--scheme", "thurston"}, "scheme");
   EXPECT_THAT(run({"parameterize", "g.obj", "--to", "hyperbolic", "--scheme", "vertex-scaling",
                    "--solver", "newton", "--method", "auto"}),

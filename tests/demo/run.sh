@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The demonstration: signs sample surfaces, stores them, searches them, leaves pictures.
+# The demonstration: signs sample surfaces, stores them, searches them, maps and matches them, and
+# leaves a gallery of pictures with their numbers: OUT/index.html.
 # usage: run.sh BIN OUT      BIN holds moduli; OUT is made anew.
 set -eu
 bin=$1
@@ -18,6 +19,45 @@ sample() { # sample CLASS/NAME KIND k=v...
   "$moduli" --quiet sample "$@" -o "$out/meshes/$name.ply"
 }
 
+# The gallery: each section is a picture with the command that drew it and what that printed.
+gallery="$out/index.html"
+escaped() { sed -e 's/&/\&amp;/g' -e 's/</\&lt;/g' -e 's/>/\&gt;/g'; }
+cat >"$gallery" <<'HTML'
+<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>moduli: gallery</title>
+<style>
+body { max-width: 75rem; margin: 2rem auto; padding: 0 1rem; color: #1a1a1a; font: 16px/1.5 sans-serif; }
+section { margin: 3rem 0; }
+h2 { margin: 0; font-size: 1.2rem; }
+img { width: 100%; height: auto; }
+pre { margin: 0; padding: 0.8rem; overflow-x: auto; background: #f2f4f6; font-size: 13px; line-height: 1.4; }
+nav a { margin-right: 1rem; }
+</style>
+</head>
+<body>
+<h1>moduli: gallery</h1>
+<p>Each picture with the command that drew it, and what it printed.</p>
+HTML
+show() { # show TITLE PICTURE SENTENCE COMMAND...: runs moduli COMMAND --picture PICTURE
+  local title=$1 picture=$2 sentence=$3 printed
+  shift 3
+  say "$title"
+  printed=$("$moduli" "$@" --picture "$out/$picture")
+  printf '%s\n' "$printed"
+  {
+    printf '<section id="%s">\n<h2>%s</h2>\n' "${picture%.*}" "$(printf '%s' "$title" | escaped)"
+    printf '<p>%s</p>\n' "$(printf '%s' "$sentence" | escaped)"
+    printf '<a href="%s"><img src="%s" alt="%s" loading="lazy"></a>\n' "$picture" "$picture" \
+      "$(printf '%s' "$title" | escaped)"
+    printf '<pre>$ moduli %s\n\n' "$(printf '%s ' "$@" "--picture $picture" | sed "s|$out/||g" | escaped)"
+    printf '%s</pre>\n</section>\n' "$(printf '%s' "$printed" | sed "s|$out/||g" | escaped)"
+  } >>"$gallery"
+}
+
 say "1. Sample surfaces"
 sample spheres/round sphere resolution=24
 for c in 0.5 0.75 1.5 2; do sample "spheres/spheroid-$c" spheroid a=1 c=$c resolution=24; done
@@ -30,6 +70,8 @@ sample tori/diplotorus diplotorus n=6 phi=0.03 h=0.6 s=-2 s2=0 resolution=6
 for g in 2 3; do sample "pretzels/genus-$g" genus genus=$g resolution=8; done
 sample pretzels/genus-2-remeshed genus genus=2 resolution=8 seed=5
 for R in 2 5; do sample "plates/ring-$R" annulus r=1 R=$R resolution=16; done
+sample plates/square plate holes=0 resolution=8
+sample plates/disk disk resolution=16
 for step in 3 4 6; do sample "plates/two-holes-$step" plate holes=2 hole_step=$step resolution=6; done
 ls "$out"/meshes/*
 
@@ -43,12 +85,13 @@ say "4. All of them into a collection: moduli add"
 "$moduli" add -c demo --recursive "$out/meshes" --label-from dir
 "$moduli" list -c demo
 
-say "5. Search by shape: who looks like a capsule?"
-"$moduli" search -c demo "$out/meshes/spheres/capsule-0.5.ply" -k 6 --picture "$out/search-capsule.png"
+show "5. Search by shape: who looks like a capsule?" search-capsule.png \
+  "The nearest shapes of a collection, by the distance of their curvatures." \
+  search -c demo "$out/meshes/spheres/capsule-0.5.ply" -k 6
 
-say "6. Search by conformal structure: which tori have the angles of the Clifford torus?"
-"$moduli" search -c demo "$out/meshes/tori/clifford.ply" --space conformal -k 6 \
-  --picture "$out/search-clifford.png"
+show "6. Search by conformal structure: which tori have the angles of the Clifford torus?" \
+  search-clifford.png "Tori are told apart by tau alone; how they are bent does not matter." \
+  search -c demo "$out/meshes/tori/clifford.ply" --space conformal -k 6
 
 say "7. A pretzel has a matrix of periods, and energies that no choice of loops changes"
 "$moduli" signature "$out/meshes/pretzels/genus-2.ply" --space conformal
@@ -57,26 +100,50 @@ say "7. A pretzel has a matrix of periods, and energies that no choice of loops 
 say "8. A ring with radii 1 and 5 has the modulus log 5 / (2 pi) = 0.2561..."
 "$moduli" signature "$out/meshes/plates/ring-5.ply" --space conformal
 
-say "9. Plates with two holes, by the periods of their doubles"
-"$moduli" search -c demo "$out/meshes/plates/two-holes-4.ply" --space conformal -k 3 \
-  --picture "$out/search-plates.png"
+show "9. Plates with two holes, by the periods of their doubles" search-plates.png \
+  "A surface with a boundary has the periods of itself glued to its mirror image." \
+  search -c demo "$out/meshes/plates/two-holes-4.ply" --space conformal -k 3
 
-say "10. Maps without a fold: to the sphere, to a disk with round holes, to the plane"
-"$moduli" parameterize "$out/meshes/spheres/ellipsoid.ply" --to sphere -o "$out/sphere.obj" \
-  --picture "$out/map-sphere.png"
-"$moduli" parameterize "$out/meshes/plates/two-holes-4.ply" --to circle-domain \
-  -o "$out/circles.obj" --picture "$out/map-circles.png"
-"$moduli" parameterize "$out/meshes/tori/torus-2.ply" --to flat -o "$out/flat.obj" \
-  --picture "$out/map-flat.png"
+show "10. To the sphere" map-sphere.png \
+  "A closed surface without handles. Folded faces would be red; there are none." \
+  parameterize "$out/meshes/spheres/ellipsoid.ply" --to sphere -o "$out/sphere.obj"
+show "11. To the disk" map-unit-disk.png \
+  "A surface with one boundary loop: a square, its centre in the middle." \
+  parameterize "$out/meshes/plates/square.ply" --to disk -o "$out/unit-disk.obj"
+show "12. To a rectangle" map-rectangle.png \
+  "A disk with four corners, a quarter turn apart: the width at height 1 is its modulus, 1." \
+  parameterize "$out/meshes/plates/disk.ply" --to rectangle --corners 721,745,769,793 -o "$out/rectangle.obj"
+show "13. To a disk with round holes" map-circles.png \
+  "A surface with several boundary loops." \
+  parameterize "$out/meshes/plates/two-holes-4.ply" --to circle-domain -o "$out/circles.obj"
+show "14. A torus and its copies in the plane" map-torus.png \
+  "One cell of the lattice, cut along its two generators; its copies fill the plane." \
+  parameterize "$out/meshes/tori/diplotorus.ply" --to torus -o "$out/torus.obj"
+show "15. To the plane, with cones" map-flat.png \
+  "The cones are chosen to take the stretching out, and the surface is cut open through them." \
+  parameterize "$out/meshes/spheres/spheroid-2.ply" --to flat --cones auto --seamless -o "$out/flat.obj"
+show "16. How much longer lengths become" map-scale.png \
+  "The same map by its scale." \
+  parameterize "$out/meshes/spheres/spheroid-2.ply" --to flat --cones auto --seamless --draw scale
+show "17. As a surface of cubes" map-polycube.png \
+  "Flat but for corners of a quarter turn: convex ones magenta, concave ones teal." \
+  parameterize "$out/meshes/spheres/capsule-1.5.ply" --to polycube -o "$out/polycube.obj"
+show "18. An affine atlas" map-atlas.png \
+  "Flat but for one extraordinary point; every other vertex has a chart, and charts change by motions." \
+  parameterize "$out/meshes/pretzels/genus-2.ply" --to atlas --atlas "$out/atlas.json" -o "$out/atlas.obj"
+show "19. Squares from a form with whole periods" map-quads.png \
+  "The lines of the unit squares go on across every cut." \
+  parameterize "$out/meshes/tori/torus-2.ply" --to quads --most-squares 600 -o "$out/quads.obj"
+show "20. In the Poincaré disk" map-disk.png \
+  "A surface with two handles, by its metric of curvature -1, with its shortest closed geodesics." \
+  parameterize "$out/meshes/pretzels/genus-2.ply" --to hyperbolic -o "$out/disk.obj"
 
-say "11. A pretzel, cut open, in the Poincaré disk, with its shortest closed geodesics"
-"$moduli" parameterize "$out/meshes/pretzels/genus-2.ply" --to hyperbolic -o "$out/disk.obj" \
-  --picture "$out/map-disk.png"
-
-say "12. Where is each point of a surface on another one? Two triangulations of one ellipsoid"
-"$moduli" match "$out/meshes/spheres/ellipsoid.ply" "$out/meshes/spheres/ellipsoid-remeshed.ply" \
-  -o "$out/map.csv" --picture "$out/match-ellipsoids.png"
+show "21. Where is each point of a surface on another one?" match-ellipsoids.png \
+  "Two triangulations of one ellipsoid; what corresponds has one colour." \
+  match "$out/meshes/spheres/ellipsoid.ply" "$out/meshes/spheres/ellipsoid-remeshed.ply" \
+  -o "$out/map.csv"
 head -4 "$out/map.csv"
+printf '</body>\n</html>\n' >>"$gallery"
 
-say "Done. Look at:"
+say "Done. Look at $gallery, or at the pictures themselves:"
 ls "$out"/*.png

@@ -47,7 +47,7 @@ const std::set<std::string> kFileContents = {"core/intrinsic/intrinsic_json.h",
 const std::map<std::string, std::string> kHeavy = {
     {"flann/", "core/retrieval"},    {"OpenMesh/", "core/mesh"},    {"cholmod.h", "core/linalg"},
     {"nlohmann/", "core/intrinsic"}, {"sqlite3.h", "server/store"}, {"zstd.h", "server/store"},
-    {"expat.h", "core/mesh"},        {"zlib.h", "core/mesh"}};
+    {"expat.h", "core/mesh"},        {"zlib.h", "core/mesh"},       {"tiny_gltf.h", "core/mesh"}};
 
 std::optional<std::size_t> floorOf(const std::string& path) {
   for (std::size_t i = 0; i < kFloors.size(); ++i) {
