@@ -61,6 +61,8 @@ struct AffineNormal {
   double decrease = 0;
   /// The contraction used; 0 at the fixed unknown of constantsInKernel().
   Eigen::VectorXd tau;
+  /// Whether P is positive semi-definite: the level set is strictly convex at x.
+  bool convex = true;
 };
 
 /// The affine normal at x. x: dimension() finite entries where the value is finite and the gradient

@@ -23,6 +23,8 @@ Result<LineSearchKind> lineSearchFromName(std::string_view name);
 struct LineSearchOptions {
   LineSearchKind kind = LineSearchKind::kBacktracking;
   double first_step = 1;
+  /// Exact: the slope at the end, in shares of that at the start.
+  double slope_tolerance = 1e-6;
   /// Backtracking: also lengthens the step while the slope at its end is above 9/10 of that at its
   /// start (weak Wolfe conditions). For directions whose length means nothing.
   bool lengthen = false;

@@ -24,6 +24,8 @@ Result<MinimizeMethod> methodFromName(std::string_view name);
 struct MinimizeOptions {
   MinimizeMethod method = MinimizeMethod::kAffineNormal;
   LineSearchKind line_search = LineSearchKind::kBacktracking;
+  /// Of the exact line search: the slope at its end, in shares of that at its start.
+  double slope_tolerance = 1e-6;
   /// Stops where the Euclidean norm of the gradient is at most
   /// gradient_tolerance + relative_tolerance * its norm at the start.
   double gradient_tolerance = 1e-10;

@@ -41,7 +41,8 @@ const std::vector<std::string>& objectiveNames();
 /// third derivatives.
 ///
 /// Fails with kInvalidOption: an unknown name (naming the known ones), a dimension below 1 (or 2)
-/// or above 10000, a condition below 1 or not finite.
+/// or above 1000 (10000 for quartic, rosenbrock and log-barrier), a condition below 1 or not
+/// finite.
 Result<NamedObjective> makeObjective(std::string_view name, const ObjectiveOptions& options);
 
 }  // namespace moduli
