@@ -242,8 +242,8 @@ class Minimizer {
         result_.value < best_value_ || result_.gradient_norm < kProgress * best_norm_;
     stalls_ = better ? 0 : stalls_ + 1;
     if (same) stalls_ = kSlowStalls;
+    if (better) best_norm_ = std::min(best_norm_, result_.gradient_norm);
     best_value_ = std::min(best_value_, result_.value);
-    best_norm_ = std::min(best_norm_, result_.gradient_norm);
     return true;
   }
 

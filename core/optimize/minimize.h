@@ -50,7 +50,7 @@ enum class StopReason : std::uint8_t {
   kSaddle,             ///< The gradient vanishes where the Hessian has a negative eigenvalue.
   kIndefiniteHessian,  ///< Without shift_indefinite: the Hessian (affine normal: on the tangent
                        ///< space too) is not positive definite.
-  kLineSearchStuck,  ///< No step along the direction is seen to go down.
+  kLineSearchStuck,    ///< No step along the direction is seen to go down.
 };
 
 /// "converged", "max_iterations", "unbounded_below", "non_finite_value", "saddle",
