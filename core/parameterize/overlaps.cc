@@ -230,9 +230,9 @@ class IslandGrower {
 };
 
 /// Where islands are moved: the tallest first, in rows about as wide as all of them are high. area:
-/// of the faces.
-std::vector<Complex> rowsOf(const std::vector<Box>& boxes, double area) {
-  const double side = std::sqrt(area), gap = side / 100;
+/// of the faces; margin: between islands, over its root.
+std::vector<Complex> rowsOf(const std::vector<Box>& boxes, double area, double margin) {
+  const double side = std::sqrt(area), gap = side * margin;
   double width = 1.5 * side;
   for (const Box& box : boxes) width = std::max(width, box.right - box.left);
   std::vector<std::size_t> order(boxes.size());
@@ -258,7 +258,8 @@ std::vector<Complex> rowsOf(const std::vector<Box>& boxes, double area) {
 
 /// Moves islands side by side and cuts them apart.
 PlanarLayout separate(const Connectivity& surface, const std::vector<Complex>& points,
-                      const std::vector<Index>& corner, const std::vector<Index>& island) {
+                      const std::vector<Index>& corner, const std::vector<Index>& island,
+                      double margin) {
   std::vector<Box> boxes(1 + *std::max_element(island.begin(), island.end()));
   double area = 0;
   for (Index h = 0; h < surface.halfedgeCount(); ++h) {
@@ -266,7 +267,7 @@ PlanarLayout separate(const Connectivity& surface, const std::vector<Complex>& p
     boxes[island[Connectivity::faceOf(h)]].add(from);
     area += std::imag(std::conj(from) * to) / 2;
   }
-  const std::vector<Complex> shifts = rowsOf(boxes, std::abs(area));
+  const std::vector<Complex> shifts = rowsOf(boxes, std::abs(area), margin);
   std::vector<Complex> placed(surface.halfedgeCount());
   std::vector<bool> seam(surface.edgeCount());
   for (Index h = 0; h < surface.halfedgeCount(); ++h) {
@@ -305,31 +306,15 @@ std::int64_t countOverlaps(const std::vector<Complex>& points, const std::vector
 }
 
 std::vector<Index> islandsOf(const Connectivity& surface, const std::vector<Index>& corner) {
-  std::vector<Index> island(surface.faceCount(), kNone);
-  Index count = 0;
-  std::vector<Index> open;
-  for (Index start = 0; start < surface.faceCount(); ++start) {
-    if (island[start] != kNone) continue;
-    island[start] = count;
-    open = {start};
-    while (!open.empty()) {
-      const Index f = open.back();
-      open.pop_back();
-      for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-        if (!isSewn(surface, corner, h)) continue;
-        const Index beside = Connectivity::faceOf(surface.twin(h));
-        if (island[beside] != kNone) continue;
-        island[beside] = count;
-        open.push_back(beside);
-      }
-    }
-    ++count;
+  std::vector<Index> twin(surface.halfedgeCount());
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+    twin[h] = isSewn(surface, corner, h) ? surface.twin(h) : kNone;
   }
-  return island;
+  return piecesOf(twin);
 }
 
 Index cutOverlaps(const Connectivity& surface, std::vector<Complex>& points,
-                  std::vector<Index>& corner) {
+                  std::vector<Index>& corner, double margin) {
   constexpr auto kAll = std::numeric_limits<std::size_t>::max();
   std::vector<Index> island = islandsOf(surface, corner);
   // Sides that touched may overlap by a rounding error once they are moved: then once more, which
@@ -337,7 +322,7 @@ Index cutOverlaps(const Connectivity& surface, std::vector<Complex>& points,
   for (auto pairs = findOverlaps(points, corner, kAll); !pairs.empty();
        pairs = findOverlaps(points, corner, kAll)) {
     island = IslandGrower(surface, points, corner, pairs).run(island);
-    PlanarLayout layout = separate(surface, points, corner, island);
+    PlanarLayout layout = separate(surface, points, corner, island, margin);
     points = std::move(layout.points);
     corner = std::move(layout.corner);
   }
