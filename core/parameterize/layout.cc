@@ -75,4 +75,10 @@ std::vector<Index> piecesOf(const std::vector<Index>& twin) {
   return piece;
 }
 
+bool isSewn(const Connectivity& surface, const std::vector<Index>& corner, Index h) {
+  const Index twin = surface.twin(h);
+  return twin != kNone && corner[h] == corner[Connectivity::next(twin)] &&
+         corner[Connectivity::next(h)] == corner[twin];
+}
+
 }  // namespace moduli

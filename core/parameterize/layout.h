@@ -34,4 +34,8 @@ PlanarLayout sewCorners(const Connectivity& surface, const std::vector<bool>& se
 /// by their lowest face. twin: per halfedge, kNone where faces are not joined. O(F).
 std::vector<Index> piecesOf(const std::vector<Index>& twin);
 
+/// Whether the faces on both sides of halfedge h share the points of its two ends. corner: as in
+/// PlanarLayout.
+bool isSewn(const Connectivity& surface, const std::vector<Index>& corner, Index h);
+
 }  // namespace moduli

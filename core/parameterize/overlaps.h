@@ -6,14 +6,12 @@
 #include <vector>
 
 #include "core/mesh/connectivity.h"
+#include "core/parameterize/packing.h"
 
 /// Whether a layout in the plane lies on itself, and cuts that end it.
 ///
 ///   EXPECT_EQ(countOverlaps(result.points, result.corner), 0);
 namespace moduli {
-
-/// Between islands, over the root of the area of the faces.
-inline constexpr double kIslandMargin = 0.01;
 
 /// The pairs of faces whose images have inner points in common, lower face first, ascending, at
 /// most `most` of them. Decided without an error on the given doubles (exact_sign.h): faces that
@@ -35,9 +33,8 @@ std::vector<Index> islandsOf(const Connectivity& surface, const std::vector<Inde
 /// Cuts a layout of faces that are not turned over so that it lies on itself nowhere: islands with
 /// an overlap are grown anew, face by face from the one nearest their middle, up to faces that
 /// would cover one of theirs; what is left out makes further islands. Where that was done (or where
-/// two islands overlap), all islands stand side by side in rows afterwards, at least `margin` times
-/// the root of the area of all faces apart. Nothing moves where there is no overlap. Returns the
-/// number of islands. O(F log F).
+/// two islands overlap), all islands stand side by side afterwards (packIslands). Nothing moves
+/// where there is no overlap. Returns the number of islands. O(F log F).
 Index cutOverlaps(const Connectivity& surface, std::vector<std::complex<double>>& points,
                   std::vector<Index>& corner, double margin = kIslandMargin);
 
