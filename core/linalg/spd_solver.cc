@@ -17,8 +17,6 @@ constexpr int kRefinements = 2;
 /// Refinement cannot improve a residual below this: x itself is rounded.
 constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon();
 constexpr double kAccepted = 1e-12;
-/// Of a row of the inverse.
-constexpr double kAcceptedInverse = 1e-10;
 
 Status checkMatrix(const SparseMatrix& matrix, bool values_too = true) {
   if (matrix.rows() != matrix.cols() || !matrix.isCompressed()) {
@@ -69,10 +67,10 @@ Status judgeInverse(const SparseMatrix& matrix, const SparseMatrix& inverse) {
   }
   for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
     const double relative = std::abs(sums[row] - 1) / sizes[row];
-    if (relative <= kAcceptedInverse) continue;
+    if (relative <= kAccepted) continue;
     return {Reason::kResidualTooLarge,
             "the inverse leaves a relative residual of " + shortestDouble(relative) + " in row " +
-                std::to_string(row) + " where 1e-10 is allowed",
+                std::to_string(row) + " where 1e-12 is allowed",
             "check that the BLAS library computes correctly"};
   }
   return {};

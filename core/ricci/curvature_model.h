@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "core/base/context.h"
@@ -59,6 +60,20 @@ class CurvatureModel {
 
   /// Counts changes of the pattern of hessian(): equal numbers mean one pattern.
   virtual int patternVersion() const = 0;
+
+  /// The energy whose gradient is curvature(), up to a constant of the surface that flips do not
+  /// change; nothing where there is no formula for it.
+  virtual std::optional<double> energy() const { return std::nullopt; }
+
+  /// Whether thirdContraction() is there.
+  virtual bool hasThirdDerivatives() const { return false; }
+
+  /// Per unknown c the sum over a, b of P_ab times the derivative of hessian()_ab by u_c, in the
+  /// present triangulation. weights: the symmetric matrix P; the lower triangle, with the places of
+  /// hessian(), which has been called here. Only called where hasThirdDerivatives().
+  virtual Eigen::VectorXd thirdContraction(const SparseMatrix& /*weights*/) const {
+    return Eigen::VectorXd::Zero(size());
+  }
 };
 
 }  // namespace moduli
