@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "core/base/context.h"
@@ -61,9 +60,12 @@ class CurvatureModel {
   /// Counts changes of the pattern of hessian(): equal numbers mean one pattern.
   virtual int patternVersion() const = 0;
 
+  /// Whether energy() is there.
+  virtual bool hasEnergy() const { return false; }
+
   /// The energy whose gradient is curvature(), up to a constant of the surface that flips do not
-  /// change; nothing where there is no formula for it.
-  virtual std::optional<double> energy() const { return std::nullopt; }
+  /// change. Only called where hasEnergy().
+  virtual double energy() const { return 0; }
 
   /// Whether thirdContraction() is there.
   virtual bool hasThirdDerivatives() const { return false; }

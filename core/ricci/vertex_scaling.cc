@@ -200,8 +200,7 @@ const SparseMatrix& VertexScalingModel::hessian() {
   return pattern_.matrix();
 }
 
-std::optional<double> VertexScalingModel::energy() const {
-  if (geometry_ == Geometry::kSpherical) return std::nullopt;
+double VertexScalingModel::energy() const {
   const auto faces = static_cast<std::size_t>(triangulation_.faceCount());
   std::vector<long double> sums((faces + kGrain - 1) / kGrain, 0);
   parallelBlocks(faces, kGrain, [&](std::size_t begin, std::size_t end) {

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "core/intrinsic/intrinsic_triangulation.h"
@@ -53,7 +52,8 @@ class VertexScalingModel : public CurvatureModel {
   /// Of the Euclidean and the hyperbolic plane. Where flips change the triangulation, the quantity
   /// that a flipped edge carries is 0, and the energy is convex and twice continuously
   /// differentiable across. O(F). Source: MATH 6.5, 6.7; Springborn 2019.
-  std::optional<double> energy() const override;
+  bool hasEnergy() const override { return geometry_ != Geometry::kSpherical; }
+  double energy() const override;
   bool hasThirdDerivatives() const override { return true; }
   /// Third derivatives jump where flips change the triangulation: between, the energy is analytic.
   /// O(F). Source: face_thirds.h.
