@@ -206,13 +206,14 @@ double VertexScalingModel::energy() const {
   parallelBlocks(faces, kGrain, [&](std::size_t begin, std::size_t end) {
     long double sum = 0;
     for (std::size_t f = begin; f < end; ++f) {
-      TriangleValues sides;
-      double logarithms = 0;
+      TriangleValues logarithms, angles;
       for (int c = 0; c < 3; ++c) {
-        sides[c] = scaled_[3 * f + c];
-        logarithms += std::log(sides[c]);
+        // Side c runs from corner c to the next: it is opposite the one before.
+        logarithms[(c + 2) % 3] = std::log(scaled_[3 * f + c]);
+        angles[c] = angles_[3 * f + c];
       }
-      sum += vertexScalingEnergy(geometry_, sides, {0, 0, 0}) - std::numbers::pi * logarithms;
+      sum += vertexScalingEnergyOf(geometry_, logarithms, angles) -
+             std::numbers::pi * (logarithms[0] + logarithms[1] + logarithms[2]);
     }
     sums[begin / kGrain] = sum;
   });
