@@ -68,10 +68,10 @@ class SpdSolver {
   /// The entries of the inverse where `pattern` has some: n x n, lower triangle, its values do not
   /// matter. Places of the matrix itself are always there, and those that its factor fills.
   /// Demands |sum over j of A_ij Z_ij - 1| <= 1e-12 sum of |A_ij Z_ij| of every row of the result Z
-  /// and fails with kResidualTooLarge otherwise. (About 1e-15 is left, whatever the condition.) Fails also with kInvalidOption (size, an entry
-  /// outside the factor, no factorization), kMeshTooLarge (memory), kCancelled, kDeadlineExceeded.
-  /// About as long as a factorization; as much memory as the factor. Stage "invert".
-  /// Source: selected_inverse.h.
+  /// and fails with kResidualTooLarge otherwise. (About 1e-15 is left, whatever the condition.)
+  /// Fails also with kInvalidOption (size, an entry outside the factor, no factorization),
+  /// kMeshTooLarge (memory), kCancelled, kDeadlineExceeded. About as long as a factorization; as
+  /// much memory as the factor. Stage "invert". Source: selected_inverse.h.
   Result<SparseMatrix> inverseOnPattern(Context& context, const SparseMatrix& pattern) const;
 
   /// The largest relative residual |b - A x| / (|A| |x| + |b|) that solve() has left so far, also
