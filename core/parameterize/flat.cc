@@ -21,6 +21,7 @@
 #include "core/parameterize/seams.h"
 #include "core/ricci/circle_packing.h"
 #include "core/ricci/flow.h"
+#include "core/ricci/minimize_curvature.h"
 #include "core/ricci/mirror_symmetry.h"
 #include "core/ricci/newton.h"
 #include "core/ricci/prescribe.h"
@@ -255,7 +256,8 @@ class Flattening {
     NewtonOptions newton;
     newton.fixed = fixedVertices();
     if (!exactly) newton.tolerance = newton.acceptable = kRoughly;
-    const Result<RicciSolution> solution = solveCurvature(context_, model, wanted, u, newton);
+    const Result<RicciSolution> solution =
+        findCurvature(context_, model, wanted, u, newton, options_.solver);
     // Where u runs away towards a target out of reach, the matrix degenerates with the circles.
     const Reason reason = solution.status().reason();
     if (reason == Reason::kNoConvergence || reason == Reason::kNotPositiveDefinite) {
