@@ -21,6 +21,8 @@ constexpr double kHidden = 1e-10;
 /// A bracket this narrow, in shares of the step, ends a search.
 constexpr double kNarrow = 1e-14;
 constexpr int kMaxTrials = 120;
+/// Longer and longer steps grow tenfold after as many.
+constexpr int kDoublings = 5;
 /// Unknowns that have gone this far have gone to infinity.
 constexpr double kFar = 1e100;
 
@@ -97,9 +99,8 @@ class LineSearch {
 
   bool goesDown(const Trial& trial) const {
     if (!trial.inside()) return false;
-    if (trial.value <= value_ + kEnough * trial.t * slope_) return true;
-    return -trial.t * slope_ <= noise() && trial.value <= value_ + noise() &&
-           trial.slope <= -kTurn * slope_;
+    if (-trial.t * slope_ > noise()) return trial.value <= value_ + kEnough * trial.t * slope_;
+    return trial.value <= value_ + noise() && trial.slope <= -kTurn * slope_;
   }
 
   /// Where the secant of the slopes at 0 and at a trial that is too long vanishes.
@@ -120,11 +121,11 @@ class LineSearch {
         t = shortened(trial, low);
       } else if (options_.lengthen && trial.slope < kSteep * slope_) {
         low = t;
-        t = high < kInfinity ? 0.5 * (low + high) : 2 * t;
+        t = high < kInfinity ? 0.5 * (low + high) : (n < kDoublings ? 2 : 10) * t;
       } else {
         return accept(trial.t);
       }
-      if (high - low <= kNarrow * high) break;
+      if (high < kInfinity && high - low <= kNarrow * high) break;
     }
     return low > 0 ? accept(low) : Status();
   }
