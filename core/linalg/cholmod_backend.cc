@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <mutex>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -96,6 +97,24 @@ class CholmodBackend : public FactorBackend {
     RETURN_IF_ERROR(failure());
     return Eigen::MatrixXd(
         Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(x->x), b.rows(), b.cols()));
+  }
+
+  Result<BlockFactor> blocks() override {
+    const auto ints = [](const void* begin) { return static_cast<const int*>(begin); };
+    const std::size_t ends = factor_->nsuper + 1;
+    BlockFactor result;
+    try {
+      result.order.assign(ints(factor_->Perm), ints(factor_->Perm) + factor_->n);
+      result.first_column.assign(ints(factor_->super), ints(factor_->super) + ends);
+      result.first_row.assign(ints(factor_->pi), ints(factor_->pi) + ends);
+      result.first_value.assign(ints(factor_->px), ints(factor_->px) + ends);
+      result.rows.assign(ints(factor_->s), ints(factor_->s) + result.first_row.back());
+      const auto* values = static_cast<const double*>(factor_->x);
+      result.values.assign(values, values + result.first_value.back());
+    } catch (const std::bad_alloc&) {
+      return outOfMemory();
+    }
+    return result;
   }
 
  private:

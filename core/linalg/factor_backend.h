@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/status.h"
+#include "core/linalg/selected_inverse.h"
 #include "core/linalg/spd_solver.h"
 
 /// What SpdSolver needs from a direct solver. Only SpdSolver, the back ends and the tests that
@@ -30,6 +31,10 @@ class FactorBackend {
 
   /// Solves with the last factorization, which must have succeeded. b: n x k.
   virtual Result<Eigen::MatrixXd> solve(const Eigen::MatrixXd& b) = 0;
+
+  /// A copy of the last factor, which must have succeeded. Fails with kMeshTooLarge (out of
+  /// memory).
+  virtual Result<BlockFactor> blocks() = 0;
 };
 
 enum class BackendKind { kCholmod, kEigen };

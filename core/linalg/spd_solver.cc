@@ -8,6 +8,7 @@
 
 #include "core/base/text.h"
 #include "core/linalg/factor_backend.h"
+#include "core/linalg/selected_inverse.h"
 
 namespace moduli {
 namespace {
@@ -17,7 +18,7 @@ constexpr int kRefinements = 2;
 constexpr double kRounding = 2 * std::numeric_limits<double>::epsilon();
 constexpr double kAccepted = 1e-12;
 
-Status checkMatrix(const SparseMatrix& matrix) {
+Status checkMatrix(const SparseMatrix& matrix, bool values_too = true) {
   if (matrix.rows() != matrix.cols() || !matrix.isCompressed()) {
     return {Reason::kInvalidOption, "the matrix is not square or not compressed"};
   }
@@ -27,7 +28,7 @@ Status checkMatrix(const SparseMatrix& matrix) {
         return {Reason::kInvalidOption, "column " + std::to_string(column) +
                                             " of the matrix has an entry above the diagonal"};
       }
-      if (!std::isfinite(it.value())) return notPositiveDefinite(column);
+      if (values_too && !std::isfinite(it.value())) return notPositiveDefinite(column);
     }
   }
   return {};
@@ -47,6 +48,32 @@ double largest(const Eigen::Ref<const Eigen::VectorXd>& x) {
     result = std::max(result, std::abs(value));
   }
   return result;
+}
+
+/// The diagonal of matrix * inverse must be 1, and needs no entries of the inverse but these.
+Status judgeInverse(const SparseMatrix& matrix, const SparseMatrix& inverse) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(matrix.rows());
+  Eigen::VectorXd sizes = sums;
+  for (Eigen::Index column = 0; column < matrix.outerSize(); ++column) {
+    SparseMatrix::InnerIterator entry(inverse, column);
+    for (SparseMatrix::InnerIterator it(matrix, column); it; ++it, ++entry) {
+      const double product = it.value() * entry.value();
+      sums[it.row()] += product;
+      sizes[it.row()] += std::abs(product);
+      if (it.row() == column) continue;
+      sums[column] += product;
+      sizes[column] += std::abs(product);
+    }
+  }
+  for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+    const double relative = std::abs(sums[row] - 1) / sizes[row];
+    if (relative <= kAccepted) continue;
+    return {Reason::kResidualTooLarge,
+            "the inverse leaves a relative residual of " + shortestDouble(relative) + " in row " +
+                std::to_string(row) + " where 1e-12 is allowed",
+            "check that the BLAS library computes correctly"};
+  }
+  return {};
 }
 
 struct ColumnResidual {
@@ -151,10 +178,13 @@ Status SpdSolver::reanalyze(Context& context, const SparseMatrix& matrix) {
   return factor_->factorize(context);
 }
 
+Status SpdSolver::checkReady() const {
+  if (factor_->ready) return {};
+  return {Reason::kInvalidOption, "the last factorization failed: there is none to use"};
+}
+
 Status SpdSolver::checkSide(const Eigen::MatrixXd& b) const {
-  if (!factor_->ready) {
-    return {Reason::kInvalidOption, "the last factorization failed: there is none to use"};
-  }
+  RETURN_IF_ERROR(checkReady());
   if (b.rows() == factor_->matrix.rows()) return {};
   return {Reason::kInvalidOption, "the right-hand side has " + std::to_string(b.rows()) +
                                       " rows, the matrix " +
@@ -197,6 +227,26 @@ Result<Eigen::MatrixXd> SpdSolver::solve(Context& context, const Eigen::MatrixXd
                     " leaves a relative residual of " + shortestDouble(worst.relative) +
                     " where 1e-12 is allowed",
                 "check that the BLAS library computes correctly"};
+}
+
+Result<SparseMatrix> SpdSolver::inverseOnPattern(Context& context,
+                                                 const SparseMatrix& pattern) const {
+  const Context::Stage stage(context, "invert");
+  RETURN_IF_ERROR(checkReady());
+  RETURN_IF_ERROR(checkMatrix(pattern, false));
+  const SparseMatrix& matrix = factor_->matrix;
+  if (pattern.rows() != matrix.rows()) {
+    return Status{Reason::kInvalidOption, "the pattern has " + std::to_string(pattern.rows()) +
+                                              " rows, the matrix " + std::to_string(matrix.rows())};
+  }
+  RETURN_IF_ERROR(context.check());
+  if (matrix.rows() == 0) return pattern;
+  ASSIGN_OR_RETURN(BlockFactor blocks, factor_->backend->blocks());
+  RETURN_IF_ERROR(invertBlocks(context, blocks));
+  ASSIGN_OR_RETURN(const SparseMatrix there, entriesOnPattern(blocks, matrix));
+  RETURN_IF_ERROR(judgeInverse(matrix, there));
+  if (samePattern(pattern, matrix)) return there;
+  return entriesOnPattern(blocks, pattern);
 }
 
 double SpdSolver::largestResidual() const {

@@ -26,7 +26,8 @@ double maximumNorm(const SparseMatrix& lower);
 /// CHOLMOD's supernodal factorization by default, Eigen's LDL^T with -DMODULI_WITH_CHOLMOD=OFF.
 /// The same input gives the same bytes on any number of threads: OpenBLAS is told, for the whole
 /// process, to use one. Movable, not copyable. One thread at a time; several solvers may work on
-/// several threads. Stages: "analyse", "factorize", "solve".
+/// several threads. Stages: "analyse", "factorize", "solve",
+/// "invert".
 class SpdSolver {
  public:
   /// Analyses and factorizes. matrix: n x n, lower triangle; n = 0 is allowed.
@@ -64,12 +65,22 @@ class SpdSolver {
   /// that measure what they end with.
   Result<Eigen::MatrixXd> solveUnjudged(Context& context, const Eigen::MatrixXd& b) const;
 
+  /// The entries of the inverse where `pattern` has some: n x n, lower triangle, its values do not
+  /// matter. Places of the matrix itself are always there, and those that its factor fills.
+  /// Demands |sum over j of A_ij Z_ij - 1| <= 1e-12 sum of |A_ij Z_ij| of every row of the result Z
+  /// and fails with kResidualTooLarge otherwise. (About 1e-15 is left, whatever the condition.)
+  /// Fails also with kInvalidOption (size, an entry outside the factor, no factorization),
+  /// kMeshTooLarge (memory), kCancelled, kDeadlineExceeded. About as long as a factorization; as
+  /// much memory as the factor. Stage "invert". Source: selected_inverse.h.
+  Result<SparseMatrix> inverseOnPattern(Context& context, const SparseMatrix& pattern) const;
+
   /// The largest relative residual |b - A x| / (|A| |x| + |b|) that solve() has left so far, also
   /// where it failed.
   double largestResidual() const;
 
  private:
   struct Factor;
+  Status checkReady() const;
   Status checkSide(const Eigen::MatrixXd& b) const;
   explicit SpdSolver(std::unique_ptr<Factor> factor);
   std::unique_ptr<Factor> factor_;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/parallel.h"
+#include "core/ricci/face_thirds.h"
 
 namespace moduli {
 namespace {
@@ -337,6 +338,37 @@ const SparseMatrix& CirclePackingModel::hessian() {
     values[slot_[surface_.edge(h)]] += i == surface_.head(h) ? 2 * cross_[h] : cross_[h];
   }
   return hessian_;
+}
+
+TriangleValues CirclePackingModel::contractFace(Index f, const SparseMatrix& weights) const {
+  CircleFace face;
+  face.side = sides(f);
+  TriangleMatrix at_corners{};
+  const Triangle& corner = surface_.face(f);
+  for (int c = 0; c < 3; ++c) {
+    const int next = (c + 1) % 3;
+    face.sine[c] = sine_[corner[c]];
+    face.cosine[c] = cosine_[corner[c]];
+    face.distance[c] = distance_[surface_.edge(3 * f + next)];
+    face.angle[c] = angles_[3 * f + c];
+    at_corners[c][c] = weights.valuePtr()[weights.outerIndexPtr()[corner[c]]];
+    at_corners[c][next] = at_corners[next][c] = weights.valuePtr()[slot_[surface_.edge(3 * f + c)]];
+  }
+  // The curvature falls where the angles grow.
+  TriangleValues result = contract(circleFaceThirds(geometry_, face), at_corners);
+  for (double& value : result) value = -value;
+  return result;
+}
+
+Eigen::VectorXd CirclePackingModel::thirdContraction(const SparseMatrix& weights) const {
+  std::vector<double> at_corners(static_cast<std::size_t>(surface_.halfedgeCount()));
+  forEach(surface_.faceCount(), [&](Index f) {
+    const TriangleValues values = contractFace(f, weights);
+    std::copy(values.begin(), values.end(), &at_corners[3 * f]);
+  });
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(size());
+  for (Index h = 0; h < surface_.halfedgeCount(); ++h) result[surface_.tail(h)] += at_corners[h];
+  return result;
 }
 
 Index CirclePackingModel::brokenFaces() const {

@@ -81,6 +81,10 @@ class CirclePackingModel final : public CurvatureModel {
   const SparseMatrix& hessian() override;
   int patternVersion() const override { return 0; }
 
+  bool hasThirdDerivatives() const override { return true; }
+  /// O(F). Source: face_thirds.h.
+  Eigen::VectorXd thirdContraction(const SparseMatrix& weights) const override;
+
   /// The u of the initial radii.
   const Eigen::VectorXd& initial() const { return initial_; }
 
@@ -111,6 +115,7 @@ class CirclePackingModel final : public CurvatureModel {
   void measureFaces();
   TriangleValues sides(Index f) const;
   void differentiateFace(Index f);
+  TriangleValues contractFace(Index f, const SparseMatrix& weights) const;
 
   Connectivity surface_;
   Geometry geometry_;

@@ -59,6 +59,23 @@ class CurvatureModel {
 
   /// Counts changes of the pattern of hessian(): equal numbers mean one pattern.
   virtual int patternVersion() const = 0;
+
+  /// Whether energy() is there.
+  virtual bool hasEnergy() const { return false; }
+
+  /// The energy whose gradient is curvature(), up to a constant of the surface that flips do not
+  /// change. Only called where hasEnergy().
+  virtual double energy() const { return 0; }
+
+  /// Whether thirdContraction() is there.
+  virtual bool hasThirdDerivatives() const { return false; }
+
+  /// Per unknown c the sum over a, b of P_ab times the derivative of hessian()_ab by u_c, in the
+  /// present triangulation. weights: the symmetric matrix P; the lower triangle, with the places of
+  /// hessian(), which has been called here. Only called where hasThirdDerivatives().
+  virtual Eigen::VectorXd thirdContraction(const SparseMatrix& /*weights*/) const {
+    return Eigen::VectorXd::Zero(size());
+  }
 };
 
 }  // namespace moduli

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/intrinsic/delaunay.h"
-#include "core/ricci/flow.h"
+#include "core/ricci/minimize_curvature.h"
 #include "core/ricci/newton.h"
 
 namespace moduli {
@@ -108,16 +108,7 @@ Status PrescribedCurvature::fitScale(Context& context, const Eigen::VectorXd& ta
 
 Result<RicciSolution> PrescribedCurvature::search(Context& context, const Eigen::VectorXd& target,
                                                   const NewtonOptions& options) {
-  if (options_.solver == RicciSolver::kNewton) {
-    return solveCurvature(context, *model_, target, u_, options);
-  }
-  FlowOptions flow_options;
-  flow_options.fixed = options.fixed;
-  ASSIGN_OR_RETURN(const FlowResult flow, ricciFlow(context, *model_, target, u_, flow_options));
-  RicciSolution solution;
-  solution.u = flow.u;
-  for (const FlowPoint& point : flow.history) solution.residuals.push_back(point.residual);
-  return solution;
+  return findCurvature(context, *model_, target, u_, options, options_.solver);
 }
 
 Result<DiscreteMetric> PrescribedCurvature::solve(Context& context,

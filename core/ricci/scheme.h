@@ -16,6 +16,10 @@ enum class Scheme : std::uint8_t {
 enum class RicciSolver : std::uint8_t {
   kNewton,  ///< Newton's method on the convex energy.
   kFlow,    ///< The Ricci flow itself, semi-implicit in time.
+  /// Along the affine normals of the energy's level sets, with third derivatives. About as many
+  /// steps as Newton's method takes, each of them dearer: a demonstration and a cross-check.
+  kAffineNormal,
+  kLbfgs,  ///< Limited-memory BFGS: gradients alone, some hundred cheap steps.
 };
 
 }  // namespace moduli

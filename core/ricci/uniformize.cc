@@ -20,6 +20,7 @@ Result<Uniformization> uniformize(Context& context, const Connectivity& surface,
   PrescribeOptions prescribe;
   prescribe.geometry = characteristic < 0 ? Geometry::kHyperbolic : Geometry::kEuclidean;
   prescribe.initial_delaunay = options.initial_delaunay;
+  prescribe.solver = options.solver;
   bool bordered = false;
   for (Index v = 0; v < surface.vertexCount(); ++v) {
     bordered = bordered || surface.isBoundaryVertex(v);

@@ -7,11 +7,13 @@
 #include "core/base/status.h"
 #include "core/mesh/double_cover.h"
 #include "core/ricci/discrete_metric.h"
+#include "core/ricci/scheme.h"
 
 namespace moduli {
 
 struct UniformizeOptions {
   bool initial_delaunay = true;  ///< As in PrescribeOptions.
+  RicciSolver solver = RicciSolver::kNewton;
 };
 
 /// The metric of constant curvature in the discrete conformal class of a surface.

@@ -10,8 +10,10 @@
 
 #include "core/base/parallel.h"
 #include "core/intrinsic/delaunay.h"
+#include "core/ricci/face_thirds.h"
 #include "core/ricci/scaled_face.h"
 #include "core/ricci/vertex_relaxation.h"
+#include "core/ricci/vertex_scaling_energy.h"
 
 namespace moduli {
 namespace {
@@ -196,6 +198,66 @@ const SparseMatrix& VertexScalingModel::hessian() {
   }
   pattern_.fillHessian(geometry_, triangulation_, unknowns_.of_vertex, half_tangents_, scaled_);
   return pattern_.matrix();
+}
+
+double VertexScalingModel::energy() const {
+  const auto faces = static_cast<std::size_t>(triangulation_.faceCount());
+  std::vector<long double> sums((faces + kGrain - 1) / kGrain, 0);
+  parallelBlocks(faces, kGrain, [&](std::size_t begin, std::size_t end) {
+    long double sum = 0;
+    for (std::size_t f = begin; f < end; ++f) {
+      TriangleValues logarithms, angles;
+      for (int c = 0; c < 3; ++c) {
+        // Side c runs from corner c to the next: it is opposite the one before.
+        logarithms[(c + 2) % 3] = std::log(scaled_[3 * f + c]);
+        angles[c] = angles_[3 * f + c];
+      }
+      sum += vertexScalingEnergyOf(geometry_, logarithms, angles) -
+             std::numbers::pi * (logarithms[0] + logarithms[1] + logarithms[2]);
+    }
+    sums[begin / kGrain] = sum;
+  });
+  long double total = std::accumulate(sums.begin(), sums.end(), 0.0L);
+  for (Index v = 0; v < triangulation_.vertexCount(); ++v) {
+    const double wanted = (on_boundary_[v] ? 1 : 2) * std::numbers::pi;
+    total += wanted * (base_[unknowns_.of_vertex[v]] + change_[v]);
+  }
+  return static_cast<double>(total);
+}
+
+TriangleValues VertexScalingModel::contractFace(Index h, const SparseMatrix& weights) const {
+  TriangleValues tangents, sides;
+  TriangleMatrix at_corners{};
+  for (int c = 0; c < 3; ++c) {
+    tangents[c] = half_tangents_[h + c];
+    sides[c] = scaled_[h + (c + 1) % 3];
+    if (!(tangents[c] > 0)) return {};
+    const Index diagonal = pattern_.diagonal(unknowns_.of_vertex[triangulation_.tail(h + c)]);
+    const Index slot = pattern_.slot(h + c) == kNone ? diagonal : pattern_.slot(h + c);
+    const int next = (c + 1) % 3;
+    at_corners[c][c] = weights.valuePtr()[diagonal];
+    at_corners[c][next] = at_corners[next][c] = weights.valuePtr()[slot];
+  }
+  // The curvature falls where the angles grow.
+  TriangleValues result = contract(scaledFaceThirds(geometry_, tangents, sides), at_corners);
+  for (double& value : result) value = -value;
+  return result;
+}
+
+Eigen::VectorXd VertexScalingModel::thirdContraction(const SparseMatrix& weights) const {
+  const auto faces = static_cast<std::size_t>(triangulation_.faceCount());
+  std::vector<double> at_corners(3 * faces);
+  parallelBlocks(faces, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const TriangleValues values = contractFace(static_cast<Index>(3 * f), weights);
+      std::copy(values.begin(), values.end(), &at_corners[3 * f]);
+    }
+  });
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(size());
+  for (Index h = 0; h < triangulation_.halfedgeCount(); ++h) {
+    result[unknowns_.of_vertex[triangulation_.tail(h)]] += at_corners[h];
+  }
+  return result;
 }
 
 }  // namespace moduli

@@ -49,6 +49,15 @@ class VertexScalingModel : public CurvatureModel {
   const Eigen::VectorXd& curvature() const override { return curvature_; }
   const SparseMatrix& hessian() override;
   int patternVersion() const override { return pattern_version_; }
+  /// Of the Euclidean and the hyperbolic plane. Where flips change the triangulation, the quantity
+  /// that a flipped edge carries is 0, and the energy is convex and twice continuously
+  /// differentiable across. O(F). Source: MATH 6.5, 6.7; Springborn 2019.
+  bool hasEnergy() const override { return geometry_ != Geometry::kSpherical; }
+  double energy() const override;
+  bool hasThirdDerivatives() const override { return true; }
+  /// Third derivatives jump where flips change the triangulation: between, the energy is analytic.
+  /// O(F). Source: face_thirds.h.
+  Eigen::VectorXd thirdContraction(const SparseMatrix& weights) const override;
 
   /// The triangulation at u, with unscaled half chords.
   const IntrinsicTriangulation& triangulation() const { return triangulation_; }
@@ -64,6 +73,7 @@ class VertexScalingModel : public CurvatureModel {
 
  private:
   void measure();
+  TriangleValues contractFace(Index h, const SparseMatrix& weights) const;
   ScaledFace needle(Index h) const;
 
   Geometry geometry_;

@@ -37,7 +37,13 @@ double vertexScalingEnergy(Geometry geometry, const TriangleValues& half_chords,
   for (int c = 0; c < 3; ++c) {
     logarithms[c] = std::log(half_chords[c]) + (u[(c + 1) % 3] + u[(c + 2) % 3]) / 2;
   }
-  const TriangleValues angles = triangleAngles(geometry, lengthsOf(geometry, logarithms));
+  return vertexScalingEnergyOf(geometry, logarithms,
+                               triangleAngles(geometry, lengthsOf(geometry, logarithms)));
+}
+
+double vertexScalingEnergyOf(Geometry geometry, const TriangleValues& logarithms,
+                             const TriangleValues& angles) {
+  if (geometry == Geometry::kSpherical) return std::numeric_limits<double>::quiet_NaN();
   // With lambda = 2 log x: in the hyperbolic energy the betas have no constant sum, and a constant
   // more in lambda would change the gradient.
   double energy = 0;

@@ -18,4 +18,9 @@ namespace moduli {
 double vertexScalingEnergy(Geometry geometry, const TriangleValues& half_chords,
                            const TriangleValues& u);
 
+/// The same where the angles are known: of the triangle whose half chords, scaled, have these
+/// logarithms.
+double vertexScalingEnergyOf(Geometry geometry, const TriangleValues& logarithms,
+                             const TriangleValues& angles);
+
 }  // namespace moduli

@@ -37,6 +37,7 @@
 #include "tests/bench/case.h"
 #include "tests/bench/hyperbolic_bench.h"
 #include "tests/bench/matching_bench.h"
+#include "tests/bench/ricci_bench.h"
 
 namespace moduli {
 namespace {
@@ -250,6 +251,7 @@ void registerMesh(const std::shared_ptr<Case>& mesh) {
   if (mesh->prepared.mesh.connectivity().eulerCharacteristic() != 1) {
     add("uniformize", benchUniformize);
   }
+  registerRicci(mesh);
   registerMaps(mesh);
   registerHyperbolic(mesh);
   registerMatching(mesh);

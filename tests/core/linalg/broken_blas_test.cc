@@ -110,5 +110,23 @@ TEST(BrokenBlas, WrongAnswersAreRepairedOrRefused) {
   EXPECT_GT(refused, 0);
 }
 
+// Of a sound factor: the inverse is judged on its own.
+TEST(BrokenBlas, WrongInversesAreRefused) {
+  const SparseMatrix matrix = gridLaplacian({60, 60, 1}, 1e-3);
+  Context context;
+  blas.error = 0;
+  auto solver = SpdSolver::make(context, matrix, makeBackend(BackendKind::kCholmod));
+  ASSERT_OK(solver);
+  const auto sound = solver->inverseOnPattern(context, matrix);
+  ASSERT_OK(sound);
+  for (double error = 1e-6; error < 2; error *= 10) {
+    blas.error = error;
+    blas.calls = 0;
+    EXPECT_THAT(solver->inverseOnPattern(context, matrix), FailsWith(Reason::kResidualTooLarge));
+    EXPECT_GT(blas.calls, 0);
+  }
+  blas.error = 0;
+}
+
 }  // namespace
 }  // namespace moduli

@@ -245,6 +245,7 @@ class FaultyBackend : public FactorBackend {
     if (x.ok()) fault_(*x);
     return x;
   }
+  Result<BlockFactor> blocks() override { return sound_->blocks(); }
 
  private:
   std::unique_ptr<FactorBackend> sound_;
