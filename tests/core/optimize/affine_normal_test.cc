@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "core/optimize/changed_objective.h"
-#include "core/optimize/slice_centroid.h"
 #include "core/optimize/third_trace.h"
 #include "tests/core/optimize/functions.h"
 #include "tests/core/testing.h"
@@ -193,27 +192,6 @@ TEST(AffineNormal, IsTheSameByEveryFormAndEverySourceOfThirdDerivatives) {
         EXPECT_LE(log_det, 1e-9) << name << n;
         EXPECT_LE(columns, 1e-5) << name << n;
       }
-    }
-  }
-}
-
-TEST(AffineNormal, IsTheLimitOfCentroidsOfThinSlices) {
-  for (const Eigen::Index n : {2, 3, 4}) {
-    const NamedObjective f = named("exp-sum", n);
-    const Eigen::VectorXd x = 0.5 * f.start;
-    const Eigen::VectorXd d = unit(*f.objective, x, by(AffineForm::kInverse));
-    Context context;
-    std::vector<double> errors;
-    for (const double depth : {1e-1, 1e-2, 1e-3, 1e-4}) {
-      const auto slice = sliceCentroid(context, *f.objective, x, depth);
-      ASSERT_OK(slice);
-      errors.push_back((*slice - d).norm());
-    }
-    for (std::size_t k = 1; k < errors.size(); ++k) {
-      // First order: ratio 10 but for the second order term, of about the depth itself times 10,
-      // and for the rounding of r, 1e-13, over the depth: 1e-9 of 1e-5.
-      const double depth = std::pow(10.0, -static_cast<double>(k));
-      EXPECT_NEAR(errors[k - 1] / errors[k], 10, 10 * 3 * depth) << n << " unknowns, row " << k;
     }
   }
 }
@@ -486,17 +464,6 @@ TEST(AffineNormal, StopsWhenCancelled) {
       affineNormal(context, wrapped, f.start, by(AffineForm::kInverse, ThirdSource::kEigenColumns)),
       FailsWith(Reason::kCancelled));
   EXPECT_LE(moves, 6);
-}
-
-TEST(SliceCentroid, RefusesWhatItCannotSlice) {
-  const NamedObjective f = named("exp-sum", 5);
-  NamedObjective g = named("exp-sum", 3);
-  Context context;
-  EXPECT_THAT(sliceCentroid(context, *f.objective, f.start, 0.1),
-              FailsWith(Reason::kInvalidOption));
-  EXPECT_THAT(sliceCentroid(context, *g.objective, g.start, 0), FailsWith(Reason::kInvalidOption));
-  EXPECT_THAT(sliceCentroid(context, *g.objective, g.start, 1e3),
-              FailsWith(Reason::kNoConvergence));
 }
 
 }  // namespace
