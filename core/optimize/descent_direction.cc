@@ -47,6 +47,13 @@ Descent DescentDirections::byGradients(const Objective& objective) {
   return descent;
 }
 
+/// As the options have it.
+Status DescentDirections::factorize(Context& context, Objective& objective) {
+  return factor_.factorize(context, objective,
+                           options_.shift_indefinite ? HessianFactor::Indefinite::kShift
+                                                     : HessianFactor::Indefinite::kFail);
+}
+
 Result<Descent> DescentDirections::byFactor(Context& context, Objective& objective,
                                             const Eigen::VectorXd& x) {
   const bool affine_normal = options_.method == MinimizeMethod::kAffineNormal;
@@ -56,12 +63,12 @@ Result<Descent> DescentDirections::byFactor(Context& context, Objective& objecti
       Descent descent;
       ASSIGN_OR_RETURN(const bool convex, bordered(context, objective, x, descent));
       if (convex) return descent;
-      RETURN_IF_ERROR(factor_.factorize(context, objective, HessianFactor::Indefinite::kShift));
+      RETURN_IF_ERROR(factorize(context, objective));
     } else {
       RETURN_IF_ERROR(status);
     }
   } else {
-    RETURN_IF_ERROR(factor_.factorize(context, objective, HessianFactor::Indefinite::kShift));
+    RETURN_IF_ERROR(factorize(context, objective));
   }
   ASSIGN_OR_RETURN(Eigen::VectorXd newton, factor_.solve(context, objective.gradient()));
   if (affine_normal) return affine(context, objective, x, newton);

@@ -26,14 +26,15 @@ class DescentDirections {
       : options_(options), factor_(factor), memory_(options.memory) {}
 
   /// At x, where the objective is and is left; its gradient is not 0. Fails with
-  /// kNotPositiveDefinite where neither the Hessian nor a shift of it has a factor, and as the
-  /// objective does.
+  /// kNotPositiveDefinite (entries that are not finite; the Hessian itself without
+  /// shift_indefinite), and as the objective does.
   Result<Descent> at(Context& context, Objective& objective, const Eigen::VectorXd& x);
 
   /// Tells of the step that was taken along the last direction.
   void taken(double step, const Eigen::VectorXd& moved, const Eigen::VectorXd& gradient_change);
 
  private:
+  Status factorize(Context& context, Objective& objective);
   Result<Descent> byFactor(Context& context, Objective& objective, const Eigen::VectorXd& x);
   Result<Descent> affine(Context& context, Objective& objective, const Eigen::VectorXd& x,
                          const Eigen::VectorXd& newton);

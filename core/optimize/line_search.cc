@@ -18,9 +18,12 @@ constexpr double kSteep = 0.9;
 constexpr double kTurn = 0.1;
 /// Of the value: gains below it are not trusted.
 constexpr double kHidden = 1e-10;
+constexpr double kOfTerms = 1e-15;
 /// A bracket this narrow, in shares of the step, ends a search.
 constexpr double kNarrow = 1e-14;
 constexpr int kMaxTrials = 120;
+/// Longer and longer steps grow tenfold after as many.
+constexpr int kDoublings = 5;
 /// Unknowns that have gone this far have gone to infinity.
 constexpr double kFar = 1e100;
 
@@ -71,10 +74,14 @@ class LineSearch {
     RETURN_IF_ERROR(moved);
     const Trial trial{t, objective_.value(), -objective_.gradient().dot(direction_),
                       objective_.gradient().norm()};
-    if (trial.value == kInfinity) return Trial{t, kInfinity, kInfinity, kInfinity};
+    const bool finite = objective_.gradient().allFinite();
+    // Far up a gradient overflows before its value does.
+    if (trial.value == kInfinity || (!finite && trial.value > value_)) {
+      return Trial{t, kInfinity, kInfinity, kInfinity};
+    }
     if (trial.value == -kInfinity || t * length_ > kFar) {
       end_ = LineSearchEnd::kUnbounded;
-    } else if (std::isnan(trial.value) || !std::isfinite(trial.norm)) {
+    } else if (std::isnan(trial.value) || !finite) {
       end_ = LineSearchEnd::kNotANumber;
     }
     take(trial);
@@ -92,14 +99,14 @@ class LineSearch {
     return {};
   }
 
-  /// Below this rise a value counts as not risen.
-  double noise() const { return kHidden * std::abs(value_); }
+  /// Below this rise a value counts as not risen: its rounding, and that of terms of size 1 whose
+  /// sum it may be.
+  double noise() const { return kHidden * std::abs(value_) + kOfTerms; }
 
   bool goesDown(const Trial& trial) const {
     if (!trial.inside()) return false;
-    if (trial.value <= value_ + kEnough * trial.t * slope_) return true;
-    return -trial.t * slope_ <= noise() && trial.value <= value_ + noise() &&
-           trial.slope <= -kTurn * slope_;
+    if (-trial.t * slope_ > noise()) return trial.value <= value_ + kEnough * trial.t * slope_;
+    return trial.value <= value_ + noise() && trial.slope <= -kTurn * slope_;
   }
 
   /// Where the secant of the slopes at 0 and at a trial that is too long vanishes.
@@ -120,11 +127,11 @@ class LineSearch {
         t = shortened(trial, low);
       } else if (options_.lengthen && trial.slope < kSteep * slope_) {
         low = t;
-        t = high < kInfinity ? 0.5 * (low + high) : 2 * t;
+        t = high < kInfinity ? 0.5 * (low + high) : (n < kDoublings ? 2 : 10) * t;
       } else {
         return accept(trial.t);
       }
-      if (high - low <= kNarrow * high) break;
+      if (high < kInfinity && high - low <= kNarrow * high) break;
     }
     return low > 0 ? accept(low) : Status();
   }

@@ -201,7 +201,8 @@ class Minimizer {
     RETURN_IF_ERROR(objective_.moveTo(context_, result_.x));
     Result<Descent> descent = directions_.at(context_, objective_, result_.x);
     if (descent.status().reason() == Reason::kNotPositiveDefinite) {
-      end(std::isfinite(factor_.norm()) ? StopReason::kFlatLevelSet : StopReason::kNonFiniteValue);
+      end(std::isfinite(factor_.norm()) ? StopReason::kIndefiniteHessian
+                                        : StopReason::kNonFiniteValue);
       return false;
     }
     RETURN_IF_ERROR(descent.status());
@@ -241,8 +242,8 @@ class Minimizer {
         result_.value < best_value_ || result_.gradient_norm < kProgress * best_norm_;
     stalls_ = better ? 0 : stalls_ + 1;
     if (same) stalls_ = kSlowStalls;
+    if (better) best_norm_ = std::min(best_norm_, result_.gradient_norm);
     best_value_ = std::min(best_value_, result_.value);
-    best_norm_ = std::min(best_norm_, result_.gradient_norm);
     return true;
   }
 
@@ -302,8 +303,8 @@ std::string_view stopReasonName(StopReason reason) {
       return "non_finite_value";
     case StopReason::kSaddle:
       return "saddle";
-    case StopReason::kFlatLevelSet:
-      return "flat_level_set";
+    case StopReason::kIndefiniteHessian:
+      return "indefinite_hessian";
     case StopReason::kLineSearchStuck:
       return "line_search_stuck";
   }

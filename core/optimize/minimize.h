@@ -35,6 +35,8 @@ struct MinimizeOptions {
   AffineNormalOptions affine;
   /// Of kLbfgs: pairs of steps and changes of the gradient kept.
   int memory = 10;
+  /// Affine normal and Newton: go on where the Hessian is not positive definite, with a shift.
+  bool shift_indefinite = true;
   /// Keeps the points of all iterations.
   bool keep_path = false;
 };
@@ -43,15 +45,16 @@ struct MinimizeOptions {
 enum class StopReason : std::uint8_t {
   kConverged,  ///< The gradient is below the tolerance, or below its own rounding.
   kMaxIterations,
-  kUnboundedBelow,   ///< The value falls without end, or while the unknowns go to infinity.
-  kNonFiniteValue,   ///< NaN, or an infinite derivative.
-  kSaddle,           ///< The gradient vanishes where the Hessian has a negative eigenvalue.
-  kFlatLevelSet,     ///< The Hessian is singular and no shift of it can be factorized.
-  kLineSearchStuck,  ///< No step along the direction is seen to go down.
+  kUnboundedBelow,     ///< The value falls without end, or while the unknowns go to infinity.
+  kNonFiniteValue,     ///< NaN, or an infinite derivative.
+  kSaddle,             ///< The gradient vanishes where the Hessian has a negative eigenvalue.
+  kIndefiniteHessian,  ///< Without shift_indefinite: the Hessian (affine normal: on the tangent
+                       ///< space too) is not positive definite.
+  kLineSearchStuck,    ///< No step along the direction is seen to go down.
 };
 
 /// "converged", "max_iterations", "unbounded_below", "non_finite_value", "saddle",
-/// "flat_level_set", "line_search_stuck".
+/// "indefinite_hessian", "line_search_stuck".
 std::string_view stopReasonName(StopReason reason);
 
 /// One row of the trace. Row 0 is the start; evaluations and factorizations count from there on.

@@ -100,15 +100,16 @@ Result<double> reach(Context& context, OnPlane& slice, const Eigen::VectorXd& z,
   for (int n = 0; n < kMaxRootSteps; ++n) {
     RETURN_IF_ERROR(slice.moveTo(context, z + r * direction));
     const double excess = slice.value() - level;
-    (excess <= 0 ? low : high) = r;
+    if (excess == 0) return r;
+    (excess < 0 ? low : high) = r;
     double next = r - excess / slice.gradient().dot(direction);
     if (high > 0 && !(next > low && next < high)) next = 0.5 * (low + high);
     if (high == 0 && !(next > low && next < 4 * r)) next = 2 * r;
-    if (std::abs(next - r) <= 4e-16 * r || excess == 0) return next;
+    if (std::abs(next - r) <= 4e-16 * r) return next;
     r = next;
   }
   // Rounding of the value makes Newton's method jump about the root.
-  if (high > 0 && high - low <= 1e-6 * high) return r;
+  if (high > 0 && high - low <= 1e-9 * high) return r;
   return Status{Reason::kNoConvergence, "the edge of the slice is not found: is it bounded?"};
 }
 
@@ -135,14 +136,15 @@ Result<Eigen::VectorXd> sliceCentroid(Context& context, Objective& objective,
   const Eigen::MatrixXd basis = tangentBasis(objective.gradient());
   const Eigen::Index m = basis.cols();
   OnPlane slice(objective, x - depth * normal, basis);
+  const Status outside{Reason::kNoConvergence, "no point of the slice lies in the level set",
+                       "take a smaller depth"};
+  RETURN_IF_ERROR(slice.moveTo(context, Eigen::VectorXd::Zero(m)));
+  if (!std::isfinite(slice.value())) return outside;
   MinimizeOptions options;
   options.method = MinimizeMethod::kNewton;
   ASSIGN_OR_RETURN(const Minimum inside,
                    minimize(context, slice, Eigen::VectorXd::Zero(m), options));
-  if (!(inside.value < level)) {
-    return Status{Reason::kNoConvergence, "no point of the slice lies in the level set",
-                  "take a smaller depth"};
-  }
+  if (!(inside.value < level)) return outside;
   const Eigen::MatrixXd hessian = denseOf(slice.hessian());
   const Directions directions = directionsOf(m);
   Eigen::VectorXd moment = Eigen::VectorXd::Zero(m);
