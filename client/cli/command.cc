@@ -126,8 +126,8 @@ namespace {
 
 std::optional<std::string> isComponent(const std::string& value) {
   const auto number = parseInteger(value);
-  if (value == "largest" || (number && *number >= 0)) return std::nullopt;
-  return "must be 'largest' or a number counted from 0";
+  if (value == "largest" || value == "all" || (number && *number >= 0)) return std::nullopt;
+  return "must be 'largest', 'all' or a number counted from 0";
 }
 
 }  // namespace
@@ -145,7 +145,8 @@ std::vector<OptionSpec> prepareOptions() {
            .bare_value = "0.5"},
           {.names = "--component",
            .value = "largest|N",
-           .help = "Take one component of several, counted from 0",
+           .help = "Take one component of several, counted from 0; 'all' lays each out with "
+                   "parameterize --to flat",
            .check = isComponent}};
 }
 

@@ -154,6 +154,13 @@ Result<Options> optionsOf(const Arguments& arguments) {
   if (arguments.has("cones") && !choosesCones(arguments)) {
     RETURN_IF_ERROR(readInto(arguments.text("cones"), "check the path given to --cones", cones));
   }
+  if (arguments.has("seams")) {
+    ASSIGN_OR_RETURN(const auto seams, readSeams(arguments.text("seams")));
+    for (const std::vector<int>& seam : seams) {
+      v1::SeamPath& path = *options.add_seams();
+      path.mutable_vertices()->Add(seam.begin(), seam.end());
+    }
+  }
   if (arguments.has("boundary") && options.boundary() == Options::BOUNDARY_UNSPECIFIED) {
     options.set_boundary(Options::STRAIGHT);
     RETURN_IF_ERROR(readInto(arguments.text("boundary"),

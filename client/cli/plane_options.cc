@@ -48,6 +48,19 @@ std::vector<OptionSpec> planeOptions() {
        .help = "Where a layout with cones lies on itself: cut it into islands side by side (cut), "
                "or leave it so",
        .choices = {"cut", "keep"}},
+      {.names = "--seams",
+       .value = "FILE",
+       .help =
+           "With --to flat, polycube or atlas: lines of vertices, each joined to the next by an "
+           "edge, along which to cut in any case. What is missing is chosen: short, and around "
+           "tips",
+       .completion = Completion::kFile},
+      {.names = "--margin",
+       .value = "X",
+       .help =
+           "Between islands that are moved side by side, over the root of the area of all faces "
+           "(0.01)",
+       .check = isDistance},
       {.names = "--extraordinary",
        .value = "V,...",
        .help = "With --to atlas: the vertices that it leaves out. Default: as few as there can be, "
@@ -82,6 +95,12 @@ std::optional<std::string> checkPlaneOptions(const Arguments& arguments) {
   if (arguments.has("overlaps") && !flat && !polycube) {
     return "--overlaps is for --to flat and --to polycube";
   }
+  for (const char* name : {"seams", "margin"}) {
+    if (arguments.has(name) && !flat && !polycube && target != "atlas") {
+      return "--" + std::string(name) + " is for --to flat, --to polycube and --to atlas";
+    }
+  }
+  if (arguments.text("component") == "all" && !flat) return "--component all is for --to flat";
   if (arguments.has("atlas") && target != "atlas") return "--atlas is for --to atlas";
   if (arguments.has("extraordinary")) {
     if (target != "atlas") return "--extraordinary is for --to atlas";
@@ -101,6 +120,7 @@ void setPlaneOptions(const Arguments& arguments, v1::ParameterizationOptions& op
     if (arguments.has("most-cones")) choice.set_most(arguments.integer("most-cones", 64));
     choice.set_quarter_turns(arguments.has("seamless"));
   }
+  if (arguments.has("margin")) options.set_margin(arguments.number("margin", 0));
   if (arguments.has("overlaps")) options.set_cut_overlaps(arguments.text("overlaps") == "cut");
   if (arguments.has("most-squares")) {
     options.set_most_squares(arguments.number("most-squares", 2000));

@@ -35,6 +35,18 @@ std::string quoted(const std::string& word) {
   return "'" + (word.size() <= kShown ? word : word.substr(0, kShown) + "...") + "'";
 }
 
+Result<int> vertexOf(const std::string& word, const std::string& place, const char* hint) {
+  const auto vertex = parseInteger(word);
+  if (!vertex) {
+    return Status(Reason::kSyntaxError, place + ": " + quoted(word) + " is not a vertex's number",
+                  hint);
+  }
+  if (*vertex < 0 || *vertex > std::numeric_limits<int>::max()) {
+    return Status(Reason::kIndexOutOfRange, place + ": there is no vertex " + quoted(word), hint);
+  }
+  return static_cast<int>(*vertex);
+}
+
 Result<ConeLine> coneOf(const SideLine& line, const std::string& place) {
   const auto wrong = [&](Reason reason, const std::string& what) {
     return Status(reason, place + ": " + what, kConeHint);
@@ -44,18 +56,12 @@ Result<ConeLine> coneOf(const SideLine& line, const std::string& place) {
                                            (line.words.size() == 1 ? " word" : " words") +
                                            " instead of a vertex and a curvature");
   }
-  const auto vertex = parseInteger(line.words[0]);
-  if (!vertex) {
-    return wrong(Reason::kSyntaxError, quoted(line.words[0]) + " is not a vertex's number");
-  }
-  if (*vertex < 0 || *vertex > std::numeric_limits<int>::max()) {
-    return wrong(Reason::kIndexOutOfRange, "there is no vertex " + quoted(line.words[0]));
-  }
+  ASSIGN_OR_RETURN(const int vertex, vertexOf(line.words[0], place, kConeHint));
   const auto curvature = parseDouble(line.words[1]);
   if (!curvature || !std::isfinite(*curvature)) {
     return wrong(Reason::kSyntaxError, quoted(line.words[1]) + " is not a curvature");
   }
-  return ConeLine{static_cast<int>(*vertex), *curvature, place};
+  return ConeLine{vertex, *curvature, place};
 }
 
 }  // namespace
@@ -82,6 +88,24 @@ Result<std::vector<ConeLine>> readCones(const std::string& path) {
     ASSIGN_OR_RETURN(cones.emplace_back(), coneOf(line, path + ":" + std::to_string(line.number)));
   }
   return cones;
+}
+
+Result<std::vector<std::vector<int>>> readSeams(const std::string& path) {
+  constexpr const char* kHint = "write the vertices along a seam on one line";
+  ASSIGN_OR_RETURN(const std::vector<SideLine> lines, readSideFile(path));
+  std::vector<std::vector<int>> seams;
+  for (const SideLine& line : lines) {
+    const std::string place = path + ":" + std::to_string(line.number);
+    if (line.words.size() < 2) {
+      return Status(Reason::kSyntaxError, place + ": a seam has two vertices at least", kHint);
+    }
+    std::vector<int>& seam = seams.emplace_back();
+    for (const std::string& word : line.words) {
+      ASSIGN_OR_RETURN(const int vertex, vertexOf(word, place, kHint));
+      seam.push_back(vertex);
+    }
+  }
+  return seams;
 }
 
 Status checkDistinct(const std::vector<ConeLine>& cones) {

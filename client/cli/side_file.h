@@ -26,6 +26,9 @@ struct ConeLine {
 /// kSyntaxError and kIndexOutOfRange (a vertex below 0 or beyond 32 bits).
 Result<std::vector<ConeLine>> readCones(const std::string& path);
 
+/// Lines of vertices along a seam, two at least. Fails as readCones.
+Result<std::vector<std::vector<int>>> readSeams(const std::string& path);
+
 /// Fails with kInvalidOption, naming both lines, where a vertex has two of the cones.
 Status checkDistinct(const std::vector<ConeLine>& cones);
 

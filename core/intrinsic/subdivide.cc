@@ -305,4 +305,21 @@ std::vector<double> subdividedLengths(const Connectivity& given, const std::vect
   return result;
 }
 
+std::vector<bool> edgesAlong(const Connectivity& given, const std::vector<bool>& chosen,
+                             const Subdivision& subdivision, const Connectivity& surface) {
+  const auto lies = [&](Index v, Index side) {
+    if (v < given.vertexCount()) return v == given.tail(side) || v == given.head(side);
+    return given.edge(subdivision.vertices[v - given.vertexCount()].halfedge) == given.edge(side);
+  };
+  std::vector<bool> along(surface.edgeCount(), false);
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+    const Index parent = subdivision.parent[Connectivity::faceOf(h)];
+    for (Index side = 3 * parent; side < 3 * parent + 3; ++side) {
+      if (!chosen[given.edge(side)]) continue;
+      if (lies(surface.tail(h), side) && lies(surface.head(h), side)) along[surface.edge(h)] = true;
+    }
+  }
+  return along;
+}
+
 }  // namespace moduli

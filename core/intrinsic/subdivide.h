@@ -64,4 +64,10 @@ std::optional<Subdivision> splitEdges(const Connectivity& given,
 std::vector<double> subdividedLengths(const Connectivity& given, const std::vector<double>& lengths,
                                       const Subdivision& subdivision, const Connectivity& surface);
 
+/// The edges of a subdivision that lie on these edges of the given surface, whose faces have three
+/// different vertices. chosen: per edge of the given surface; surface: as in subdividedLengths. Per
+/// edge of `surface`. O(F).
+std::vector<bool> edgesAlong(const Connectivity& given, const std::vector<bool>& chosen,
+                             const Subdivision& subdivision, const Connectivity& surface);
+
 }  // namespace moduli

@@ -43,15 +43,17 @@ std::string listComponents(const std::vector<ComponentCounts>& components) {
   return text;
 }
 
+// kNone for all of them.
 Result<Index> chooseComponent(const std::vector<ComponentCounts>& components,
                               const std::string& choice) {
   const auto count = static_cast<Index>(components.size());
+  if (choice == "all") return kNone;
   if (choice.empty()) {
     if (count == 1) return Index{0};
     return Status(
         Reason::kMultipleComponents,
         "the surface has " + std::to_string(count) + " components: " + listComponents(components),
-        "choose one by --component largest or --component N");
+        "choose one by --component largest or --component N; --to flat also takes --component all");
   }
   if (choice == "largest") {
     const auto largest = std::max_element(
@@ -73,13 +75,13 @@ Result<Index> chooseComponent(const std::vector<ComponentCounts>& components,
   return static_cast<Index>(*number);
 }
 
-// The faces of one component and their vertices, both in their old order.
+// The faces of one component (kNone: of all) and their vertices, both in their old order.
 Result<PreparedMesh> extract(Repaired repaired, const SoupStructure& structure, Index chosen) {
   std::vector<Index> number(repaired.soup.vertices.size(), kNone);
   TriangleSoup soup;
   std::vector<Index> input_face;
   for (std::size_t f = 0; f < repaired.soup.faces.size(); ++f) {
-    if (structure.component[f] != chosen) continue;
+    if (chosen != kNone && structure.component[f] != chosen) continue;
     soup.faces.push_back(repaired.soup.faces[f]);
     input_face.push_back(repaired.input_face[f]);
     for (const Index v : repaired.soup.faces[f]) number[v] = 0;
@@ -115,6 +117,7 @@ Result<PreparedMesh> prepareMesh(Context& context, const TriangleSoup& soup,
   for (Defect& defect : inspection.defects) {
     speakOfInput(repaired, defect);
     if (isBlocking(defect.kind)) continue;
+    if (defect.kind == DefectKind::kMultipleComponents && options.component == "all") continue;
     warnings.push_back(std::string(defectName(defect.kind)) + ": " + defect.message);
   }
   RETURN_IF_ERROR(blockingError(inspection));

@@ -12,11 +12,13 @@ namespace moduli {
 struct PrepareOptions {
   RepairOptions repair;
   /// "": the surface must be connected. "largest": most faces, the lower face index wins a tie. A
-  /// number: components are counted from 0 by their lowest face.
+  /// number: components are counted from 0 by their lowest face. "all": no choice, for who treats
+  /// each of them.
   std::string component;
 };
 
-/// One connected surface ready for computing, and where its elements came from.
+/// A surface ready for computing, connected unless all components were asked for, and where its
+/// elements came from.
 struct PreparedMesh {
   TriangleMesh mesh;
   std::vector<Index> input_vertex;  ///< Per vertex of mesh; kNone for one that fills a hole.

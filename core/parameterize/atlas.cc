@@ -75,6 +75,8 @@ Result<Parameterization> parameterizeAtlas(Context& context, const Connectivity&
   FlatOptions flat;
   flat.initial_delaunay = options.initial_delaunay;
   flat.refine = options.refine;
+  flat.margin = options.margin;
+  flat.seams = options.seams;
   ASSIGN_OR_RETURN(flat.cones, pointsOf(context, surface, lengths, options));
   ASSIGN_OR_RETURN(FlatMap found, flatten(context, surface, lengths, flat));
   Parameterization& result = found.map;

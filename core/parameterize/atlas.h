@@ -7,6 +7,7 @@
 #include "core/base/status.h"
 #include "core/mesh/connectivity.h"
 #include "core/parameterize/affine_atlas.h"
+#include "core/parameterize/packing.h"
 #include "core/parameterize/parameterization.h"
 
 /// Affine atlases with as few extraordinary points as there can be, for manifold splines.
@@ -16,8 +17,10 @@ struct AtlasOptions {
   /// Where the atlas is left out; they share the curvature evenly. Empty: as few as there can be,
   /// where chooseCones puts them: one for genus >= 2, none for genus 1, three for genus 0.
   std::vector<Index> extraordinary;
-  bool initial_delaunay = true;  ///< As in FlatOptions.
+  bool initial_delaunay = true;  ///< As in FlatOptions, like the rest.
   bool refine = true;
+  double margin = kIslandMargin;
+  std::vector<bool> seams;
 };
 
 /// The least number of extraordinary points on a closed surface: 3 for genus 0, 0 for 1, 1 beyond.

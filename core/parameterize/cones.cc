@@ -343,4 +343,17 @@ Result<ChosenCones> chooseCones(Context& context, const Connectivity& surface,
   return ConeChoice(context, std::move(scales), sum, options).run();
 }
 
+void tellChoice(const ChosenCones& chosen, const ConeOptions& wanted, Parameterization& map) {
+  if (map.cones) {
+    map.cones->spread = chosen.spread;
+    map.cones->spread_before = chosen.spread_before;
+  }
+  if (chosen.spread <= wanted.spread) return;
+  map.certificate.warnings.push_back(
+      "CONE_SPREAD: logarithms of the scale spread over about " + shortestDouble(chosen.spread) +
+      " where " + shortestDouble(wanted.spread) + " was asked for; " +
+      (wanted.quantum ? "whole quarters of a turn do no better at these vertices"
+                      : "more cones take more of it out"));
+}
+
 }  // namespace moduli

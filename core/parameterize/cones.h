@@ -50,10 +50,8 @@ struct ChosenCones {
 Result<ChosenCones> chooseCones(Context& context, const Connectivity& surface,
                                 const std::vector<double>& lengths, const ConeOptions& options);
 
-/// Tells in a result how its cones were chosen. domain: of that result.
-inline void tellChoice(const ChosenCones& chosen, ConeDomain& domain) {
-  domain.spread = chosen.spread;
-  domain.spread_before = chosen.spread_before;
-}
+/// Tells in a flat map how its cones were chosen, with a warning CONE_SPREAD where they do not take
+/// out as much as was asked for.
+void tellChoice(const ChosenCones& chosen, const ConeOptions& wanted, Parameterization& map);
 
 }  // namespace moduli

@@ -18,6 +18,7 @@
 #include "core/parameterize/holonomy.h"
 #include "core/parameterize/layout.h"
 #include "core/parameterize/overlaps.h"
+#include "core/parameterize/seams.h"
 #include "core/ricci/circle_packing.h"
 #include "core/ricci/flow.h"
 #include "core/ricci/minimize_curvature.h"
@@ -81,23 +82,37 @@ class Flattening {
     const Connectivity& faces = flat.surface;
     const Context::Stage stage(context_, "layout");
     RETURN_IF_ERROR(context_.check());
-    std::vector<bool> is_cone(faces.vertexCount(), false);
-    for (Index v = 0; v < surface_.vertexCount(); ++v) is_cone[v] = target_[v] != 0;
-    PlanarLayout layout = layOut(faces, flat.charts, is_cone);
+    const std::vector<double> lengths =
+        flat.subdivision ? subdividedLengths(surface_, lengths_, *flat.subdivision, faces)
+                         : lengths_;
+    PlanarLayout layout = layOut(faces, flat.charts, seamsOf(flat, lengths));
     certificate().layout_closure = layout.closure;
     RETURN_IF_ERROR(judgeMetric());
     result_.points = std::move(layout.points);
     result_.corner = std::move(layout.corner);
-    RETURN_IF_ERROR(judgeFaces(flat));
+    RETURN_IF_ERROR(judgeFaces(flat, lengths));
     ConeDomain& domain = result_.cones.emplace();
     domain.cones = options_.cones;
     if (!bordered_) domain.handle_turns = handleTurns(faces, result_.points, result_.corner);
     certificate().islands = 1;
     if (options_.cut_overlaps) {
-      certificate().islands = cutOverlaps(faces, result_.points, result_.corner);
+      certificate().islands = cutOverlaps(faces, result_.points, result_.corner, options_.margin);
     }
     result_.subdivision = flat.subdivision;
     return FlatMap{result_, std::move(flat)};
+  }
+
+  /// Through the cones, along what is asked for.
+  std::vector<bool> seamsOf(const FlatFaces& flat, const std::vector<double>& lengths) const {
+    std::vector<bool> is_cone(flat.surface.vertexCount(), false);
+    for (Index v = 0; v < surface_.vertexCount(); ++v) {
+      is_cone[v] = target_[v] != 0 && !surface_.isBoundaryVertex(v);
+    }
+    std::vector<bool> given = options_.seams;
+    if (!given.empty() && flat.subdivision) {
+      given = edgesAlong(surface_, given, *flat.subdivision, flat.surface);
+    }
+    return chooseSeams(flat.surface, seamCosts(flat.surface, lengths), is_cone, given);
   }
 
   MapCertificate& certificate() { return result_.certificate; }
@@ -291,16 +306,12 @@ class Flattening {
   }
 
   /// Scales the layout to the surface's area and compares its faces with the surface's.
-  Status judgeFaces(FlatFaces& flat) {
+  Status judgeFaces(FlatFaces& flat, const std::vector<double>& lengths) {
     const Connectivity& faces = flat.surface;
     double area = 0, image = 0;
     for (const double face : faceAreas(surface_, lengths_)) area += face;
     for (Index f = 0; f < faces.faceCount(); ++f) image += doubledArea(flat.charts, f) / 2;
-    certificate().quality = measurePlaneMap(
-        faces,
-        flat.subdivision ? subdividedLengths(surface_, lengths_, *flat.subdivision, faces)
-                         : lengths_,
-        result_.points, result_.corner);
+    certificate().quality = measurePlaneMap(faces, lengths, result_.points, result_.corner);
     const Index flipped = certificate().quality.flipped_faces;
     if (flipped > 0) {
       return foldedMap(kMap, flipped, faces.faceCount(),
@@ -328,6 +339,11 @@ class Flattening {
 
 Result<FlatMap> flatten(Context& context, const Connectivity& surface,
                         const std::vector<double>& lengths, const FlatOptions& options) {
+  if (!(options.margin >= 0 && std::isfinite(options.margin))) {
+    return Status(Reason::kInvalidOption,
+                  "a margin of " + shortestDouble(options.margin) + " between islands",
+                  "give a fraction of the root of the area, 0 or more");
+  }
   ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, lengths));
   Flattening first(context, surface, mollified.lengths, options);
   Result<FlatMap> result = first.run();

@@ -1,76 +1,33 @@
 #include "core/parameterize/layout.h"
 
+#include <algorithm>
+
 #include "core/intrinsic/unfold.h"
 
 namespace moduli {
-namespace {
-
-class Layout {
- public:
-  Layout(const Connectivity& surface, const FlatCharts& charts)
-      : surface_(surface), charts_(charts), twin_(surface.halfedgeCount()) {
-    for (Index h = 0; h < surface.halfedgeCount(); ++h) twin_[h] = surface.twin(h);
-  }
-
-  PlanarLayout run(const std::vector<bool>& is_cone) {
-    if (surface_.faceCount() == 0) return {};
-    unfolding_ = unfold(charts_, twin_);
-    seam_.resize(surface_.edgeCount());
-    for (Index e = 0; e < surface_.edgeCount(); ++e) {
-      seam_[e] = !unfolding_.crossed[surface_.halfedge(e)];
-    }
-    prune(is_cone);
-    std::vector<bool> sewn(surface_.halfedgeCount());
-    for (Index h = 0; h < surface_.halfedgeCount(); ++h) sewn[h] = !seam_[surface_.edge(h)];
-    PlanarLayout layout = sewCorners(surface_, seam_, unfolding_.placed);
-    layout.closure = unfoldingGap(unfolding_, charts_, twin_, sewn);
-    return layout;
-  }
-
- private:
-  /// Takes seams away that end at a flat inner vertex.
-  void prune(const std::vector<bool>& is_cone) {
-    std::vector<Index> degree(surface_.vertexCount(), 0);
-    for (Index e = 0; e < surface_.edgeCount(); ++e) {
-      if (!seam_[e]) continue;
-      ++degree[surface_.tail(surface_.halfedge(e))];
-      ++degree[surface_.head(surface_.halfedge(e))];
-    }
-    std::vector<Index> ends;
-    const auto consider = [&](Index v) {
-      if (degree[v] == 1 && !is_cone[v] && !surface_.isBoundaryVertex(v)) ends.push_back(v);
-    };
-    for (Index v = 0; v < surface_.vertexCount(); ++v) consider(v);
-    while (!ends.empty()) {
-      const Index v = ends.back();
-      ends.pop_back();
-      Index h = surface_.outgoing(v);
-      const Index first = h;
-      while (!seam_[surface_.edge(h)]) {
-        h = surface_.rotate(h);
-        if (h == first) break;
-      }
-      if (!seam_[surface_.edge(h)]) continue;
-      seam_[surface_.edge(h)] = false;
-      --degree[v];
-      const Index other = surface_.head(h);
-      --degree[other];
-      consider(other);
-    }
-  }
-
-  const Connectivity& surface_;
-  const FlatCharts& charts_;
-  std::vector<Index> twin_;
-  Unfolding unfolding_;
-  std::vector<bool> seam_;  ///< Per edge; boundary edges too.
-};
-
-}  // namespace
 
 PlanarLayout layOut(const Connectivity& surface, const FlatCharts& charts,
-                    const std::vector<bool>& is_cone) {
-  return Layout(surface, charts).run(is_cone);
+                    const std::vector<bool>& seam) {
+  std::vector<Index> twin(surface.halfedgeCount());
+  std::vector<bool> sewn(surface.halfedgeCount());
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+    sewn[h] = !seam[surface.edge(h)];
+    twin[h] = sewn[h] ? surface.twin(h) : kNone;
+  }
+  const std::vector<Index> piece = piecesOf(twin);
+  const Index pieces = piece.empty() ? 0 : 1 + *std::max_element(piece.begin(), piece.end());
+  Unfolding whole{std::vector<std::complex<double>>(surface.halfedgeCount()), {}};
+  for (Index n = 0; n < pieces; ++n) {
+    std::vector<bool> others(surface.faceCount());
+    for (Index f = 0; f < surface.faceCount(); ++f) others[f] = piece[f] != n;
+    const Unfolding one = unfold(charts, twin, others);
+    for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+      if (!others[Connectivity::faceOf(h)]) whole.placed[h] = one.placed[h];
+    }
+  }
+  PlanarLayout layout = sewCorners(surface, seam, whole.placed);
+  layout.closure = unfoldingGap(whole, charts, twin, sewn);
+  return layout;
 }
 
 PlanarLayout sewCorners(const Connectivity& surface, const std::vector<bool>& seam,
@@ -94,6 +51,34 @@ PlanarLayout sewCorners(const Connectivity& surface, const std::vector<bool>& se
     }
   }
   return layout;
+}
+
+std::vector<Index> piecesOf(const std::vector<Index>& twin) {
+  std::vector<Index> piece(twin.size() / 3, kNone);
+  Index count = 0;
+  std::vector<Index> open;
+  for (Index start = 0; start < static_cast<Index>(piece.size()); ++start) {
+    if (piece[start] != kNone) continue;
+    piece[start] = count;
+    open = {start};
+    while (!open.empty()) {
+      const Index f = open.back();
+      open.pop_back();
+      for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+        if (twin[h] == kNone || piece[Connectivity::faceOf(twin[h])] != kNone) continue;
+        piece[Connectivity::faceOf(twin[h])] = count;
+        open.push_back(Connectivity::faceOf(twin[h]));
+      }
+    }
+    ++count;
+  }
+  return piece;
+}
+
+bool isSewn(const Connectivity& surface, const std::vector<Index>& corner, Index h) {
+  const Index twin = surface.twin(h);
+  return twin != kNone && corner[h] == corner[Connectivity::next(twin)] &&
+         corner[Connectivity::next(h)] == corner[twin];
 }
 
 }  // namespace moduli

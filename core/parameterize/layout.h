@@ -18,16 +18,24 @@ struct PlanarLayout {
   double closure = 0;
 };
 
-/// Unfolds charts face by face across the longest edges first, then sews up what a cut graph
-/// through the cones does not need: seams end at cones and on the boundary. surface: connected.
-/// is_cone: per vertex. O(F log F).
+/// Unfolds charts face by face across the longest edges first, but across no seam (seams.h): every
+/// piece that seams leave has to be a disk, and begins at 0. seam: per edge; boundary edges are
+/// seams. O(F log F) for every piece.
 PlanarLayout layOut(const Connectivity& surface, const FlatCharts& charts,
-                    const std::vector<bool>& is_cone);
+                    const std::vector<bool>& seam);
 
 /// Faces that are in place, cut along seams (boundary edges count as such): corners around a vertex
 /// are one point as far as no seam comes between them. seam: per edge; placed: per halfedge where
 /// its tail is. O(F).
 PlanarLayout sewCorners(const Connectivity& surface, const std::vector<bool>& seam,
                         const std::vector<std::complex<double>>& placed);
+
+/// Per face the number of the piece that faces make which are joined by twins; pieces are numbered
+/// by their lowest face. twin: per halfedge, kNone where faces are not joined. O(F).
+std::vector<Index> piecesOf(const std::vector<Index>& twin);
+
+/// Whether the faces on both sides of halfedge h share the points of its two ends. corner: as in
+/// PlanarLayout.
+bool isSewn(const Connectivity& surface, const std::vector<Index>& corner, Index h);
 
 }  // namespace moduli

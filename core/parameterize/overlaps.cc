@@ -125,12 +125,6 @@ class TriangleTree {
   std::vector<Node> nodes_;
 };
 
-bool isSewn(const Connectivity& surface, const std::vector<Index>& corner, Index h) {
-  const Index twin = surface.twin(h);
-  return twin != kNone && corner[h] == corner[Connectivity::next(twin)] &&
-         corner[Connectivity::next(h)] == corner[twin];
-}
-
 /// Grows islands that do not lie on themselves.
 class IslandGrower {
  public:
@@ -229,55 +223,6 @@ class IslandGrower {
   Index islands_ = 0;
 };
 
-/// Where islands are moved: the tallest first, in rows about as wide as all of them are high. area:
-/// of the faces.
-std::vector<Complex> rowsOf(const std::vector<Box>& boxes, double area) {
-  const double side = std::sqrt(area), gap = side / 100;
-  double width = 1.5 * side;
-  for (const Box& box : boxes) width = std::max(width, box.right - box.left);
-  std::vector<std::size_t> order(boxes.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return boxes[a].high - boxes[a].low > boxes[b].high - boxes[b].low;
-  });
-  std::vector<Complex> shifts(boxes.size());
-  double x = 0, y = 0, row = 0;
-  for (const std::size_t n : order) {
-    const Box& box = boxes[n];
-    if (x > 0 && x + box.right - box.left > width) {
-      x = 0;
-      y += row + gap;
-      row = 0;
-    }
-    shifts[n] = Complex(x - box.left, y - box.low);
-    x += box.right - box.left + gap;
-    row = std::max(row, box.high - box.low);
-  }
-  return shifts;
-}
-
-/// Moves islands side by side and cuts them apart.
-PlanarLayout separate(const Connectivity& surface, const std::vector<Complex>& points,
-                      const std::vector<Index>& corner, const std::vector<Index>& island) {
-  std::vector<Box> boxes(1 + *std::max_element(island.begin(), island.end()));
-  double area = 0;
-  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
-    const Complex from = points[corner[h]], to = points[corner[Connectivity::next(h)]];
-    boxes[island[Connectivity::faceOf(h)]].add(from);
-    area += std::imag(std::conj(from) * to) / 2;
-  }
-  const std::vector<Complex> shifts = rowsOf(boxes, std::abs(area));
-  std::vector<Complex> placed(surface.halfedgeCount());
-  std::vector<bool> seam(surface.edgeCount());
-  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
-    const Index own = island[Connectivity::faceOf(h)];
-    placed[h] = points[corner[h]] + shifts[own];
-    seam[surface.edge(h)] =
-        !isSewn(surface, corner, h) || island[Connectivity::faceOf(surface.twin(h))] != own;
-  }
-  return sewCorners(surface, seam, placed);
-}
-
 }  // namespace
 
 std::vector<std::pair<Index, Index>> findOverlaps(const std::vector<Complex>& points,
@@ -305,31 +250,15 @@ std::int64_t countOverlaps(const std::vector<Complex>& points, const std::vector
 }
 
 std::vector<Index> islandsOf(const Connectivity& surface, const std::vector<Index>& corner) {
-  std::vector<Index> island(surface.faceCount(), kNone);
-  Index count = 0;
-  std::vector<Index> open;
-  for (Index start = 0; start < surface.faceCount(); ++start) {
-    if (island[start] != kNone) continue;
-    island[start] = count;
-    open = {start};
-    while (!open.empty()) {
-      const Index f = open.back();
-      open.pop_back();
-      for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-        if (!isSewn(surface, corner, h)) continue;
-        const Index beside = Connectivity::faceOf(surface.twin(h));
-        if (island[beside] != kNone) continue;
-        island[beside] = count;
-        open.push_back(beside);
-      }
-    }
-    ++count;
+  std::vector<Index> twin(surface.halfedgeCount());
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+    twin[h] = isSewn(surface, corner, h) ? surface.twin(h) : kNone;
   }
-  return island;
+  return piecesOf(twin);
 }
 
 Index cutOverlaps(const Connectivity& surface, std::vector<Complex>& points,
-                  std::vector<Index>& corner) {
+                  std::vector<Index>& corner, double margin) {
   constexpr auto kAll = std::numeric_limits<std::size_t>::max();
   std::vector<Index> island = islandsOf(surface, corner);
   // Sides that touched may overlap by a rounding error once they are moved: then once more, which
@@ -337,9 +266,7 @@ Index cutOverlaps(const Connectivity& surface, std::vector<Complex>& points,
   for (auto pairs = findOverlaps(points, corner, kAll); !pairs.empty();
        pairs = findOverlaps(points, corner, kAll)) {
     island = IslandGrower(surface, points, corner, pairs).run(island);
-    PlanarLayout layout = separate(surface, points, corner, island);
-    points = std::move(layout.points);
-    corner = std::move(layout.corner);
+    packIslands(surface, island, margin, points, corner);
   }
   return island.empty() ? 0 : 1 + *std::max_element(island.begin(), island.end());
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/mesh/connectivity.h"
+#include "core/parameterize/packing.h"
 
 /// Whether a layout in the plane lies on itself, and cuts that end it.
 ///
@@ -32,9 +33,9 @@ std::vector<Index> islandsOf(const Connectivity& surface, const std::vector<Inde
 /// Cuts a layout of faces that are not turned over so that it lies on itself nowhere: islands with
 /// an overlap are grown anew, face by face from the one nearest their middle, up to faces that
 /// would cover one of theirs; what is left out makes further islands. Where that was done (or where
-/// two islands overlap), all islands stand side by side in rows afterwards, a hundredth of the
-/// whole apart. Nothing moves where there is no overlap. Returns the number of islands. O(F log F).
+/// two islands overlap), all islands stand side by side afterwards (packIslands). Nothing moves
+/// where there is no overlap. Returns the number of islands. O(F log F).
 Index cutOverlaps(const Connectivity& surface, std::vector<std::complex<double>>& points,
-                  std::vector<Index>& corner);
+                  std::vector<Index>& corner, double margin = kIslandMargin);
 
 }  // namespace moduli

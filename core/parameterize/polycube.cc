@@ -58,9 +58,11 @@ Result<Parameterization> parameterizePolycube(Context& context, const Connectivi
   flat.initial_delaunay = options.initial_delaunay;
   flat.refine = options.refine;
   flat.cut_overlaps = options.cut_overlaps;
+  flat.margin = options.margin;
+  flat.seams = options.seams;
   std::optional<ChosenCones> chosen;
+  ConeOptions choice;
   if (options.corners.empty()) {
-    ConeOptions choice;
     choice.spread = options.spread;
     choice.most = options.most_corners;
     choice.quantum = kQuarter;
@@ -74,7 +76,7 @@ Result<Parameterization> parameterizePolycube(Context& context, const Connectivi
     }
   }
   ASSIGN_OR_RETURN(Parameterization result, parameterizeFlat(context, surface, lengths, flat));
-  if (chosen) tellChoice(*chosen, *result.cones);
+  if (chosen) tellChoice(*chosen, choice, result);
   const double residual = distanceFromMultiples(result.cones->handle_turns, kQuarter);
   result.certificate.holonomy_residual = residual;
   if (residual > kClosed) {

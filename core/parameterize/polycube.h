@@ -5,6 +5,7 @@
 #include "core/base/context.h"
 #include "core/base/status.h"
 #include "core/mesh/connectivity.h"
+#include "core/parameterize/packing.h"
 #include "core/parameterize/parameterization.h"
 
 /// Surfaces as surfaces of cubes.
@@ -23,9 +24,11 @@ struct PolycubeOptions {
   /// Of corners that are found: as ConeOptions.
   double spread = 1;
   Index most_corners = 48;
-  bool initial_delaunay = true;  ///< As in FlatOptions, like the next two.
+  bool initial_delaunay = true;  ///< As in FlatOptions, like the rest.
   bool refine = true;
   bool cut_overlaps = true;
+  double margin = kIslandMargin;
+  std::vector<bool> seams;
 };
 
 /// Finds the discrete conformal metric of a closed connected surface that is flat but for corners

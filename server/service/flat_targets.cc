@@ -8,6 +8,7 @@
 
 #include "core/base/text.h"
 #include "core/parameterize/atlas.h"
+#include "core/parameterize/components.h"
 #include "core/parameterize/cones.h"
 #include "core/parameterize/flat.h"
 #include "core/parameterize/polycube.h"
@@ -16,6 +17,7 @@
 #include "server/rpc/convert_parameterization.h"
 #include "server/service/cones.h"
 #include "server/service/named_vertex.h"
+#include "server/service/seams.h"
 
 namespace moduli {
 namespace {
@@ -37,29 +39,47 @@ bool cutsOverlaps(const Options& message) {
   return !message.has_cut_overlaps() || message.cut_overlaps();
 }
 
-Result<Parameterization> mapFlat(Context& context, const Options& message, const Subject& subject) {
-  FlatOptions options = fromProto(message);
-  options.refine = refines(message);
-  options.cut_overlaps = cutsOverlaps(message);
-  ASSIGN_OR_RETURN(options.cones,
-                   conesOnSurface(message.cones(), subject.surface(), subject.places));
-  ASSIGN_OR_RETURN(options.boundary, boundaryRule(message.boundary(), message.cones(),
-                                                  options.cones, subject.surface()));
-  if (!message.has_cone_choice()) {
-    return parameterizeFlat(context, subject.surface(), subject.lengths, options);
-  }
-  const v1::ConeChoice& wanted = message.cone_choice();
+ConeOptions coneOptions(const v1::ConeChoice& wanted) {
   ConeOptions choice;
   if (wanted.has_spread()) choice.spread = wanted.spread();
   if (wanted.has_most()) choice.most = wanted.most();
   if (wanted.quarter_turns()) choice.quantum = kQuarter;
-  ASSIGN_OR_RETURN(const ChosenCones chosen,
-                   chooseCones(context, subject.surface(), subject.lengths, choice));
-  options.cones = chosen.cones;
-  ASSIGN_OR_RETURN(Parameterization map,
-                   parameterizeFlat(context, subject.surface(), subject.lengths, options));
-  if (map.cones) tellChoice(chosen, *map.cones);
-  return map;
+  return choice;
+}
+
+/// Of the options of all targets whose layouts are cut along seams.
+template <typename Layout>
+Status setSeams(const Options& message, const Subject& subject, Layout& options) {
+  if (message.has_margin()) options.margin = message.margin();
+  ASSIGN_OR_RETURN(options.seams,
+                   seamsOnSurface(message.seams(), subject.surface(), subject.places));
+  return {};
+}
+
+Result<Parameterization> mapFlat(Context& context, const Options& message, const Subject& subject) {
+  FlatOptions options = fromProto(message);
+  options.refine = refines(message);
+  options.cut_overlaps = cutsOverlaps(message);
+  RETURN_IF_ERROR(setSeams(message, subject, options));
+  ASSIGN_OR_RETURN(options.cones,
+                   conesOnSurface(message.cones(), subject.surface(), subject.places));
+  ASSIGN_OR_RETURN(options.boundary, boundaryRule(message.boundary(), message.cones(),
+                                                  options.cones, subject.surface()));
+  const ConeOptions choice = coneOptions(message.cone_choice());
+  const auto flatten = [&](Context& within, const SurfaceComponent& component,
+                           FlatOptions own) -> Result<Parameterization> {
+    if (!message.has_cone_choice()) {
+      return parameterizeFlat(within, component.surface, component.lengths, own);
+    }
+    ASSIGN_OR_RETURN(const ChosenCones chosen,
+                     chooseCones(within, component.surface, component.lengths, choice));
+    own.cones = chosen.cones;
+    ASSIGN_OR_RETURN(Parameterization map,
+                     parameterizeFlat(within, component.surface, component.lengths, own));
+    tellChoice(chosen, choice, map);
+    return map;
+  };
+  return flattenComponents(context, subject.surface(), subject.lengths, options, flatten);
 }
 
 Result<std::vector<PolycubeCorner>> cornersOf(const Options& message, const Subject& subject) {
@@ -87,6 +107,7 @@ Result<Parameterization> mapPolycube(Context& context, const Options& message,
   options.initial_delaunay = startsDelaunay(message);
   options.refine = refines(message);
   options.cut_overlaps = cutsOverlaps(message);
+  RETURN_IF_ERROR(setSeams(message, subject, options));
   ASSIGN_OR_RETURN(options.corners, cornersOf(message, subject));
   const v1::ConeChoice& choice = message.cone_choice();
   if (choice.has_spread()) options.spread = choice.spread();
@@ -99,6 +120,7 @@ Result<Parameterization> mapAtlas(Context& context, const Options& message,
   AtlasOptions options;
   options.initial_delaunay = startsDelaunay(message);
   options.refine = refines(message);
+  RETURN_IF_ERROR(setSeams(message, subject, options));
   for (const int vertex : message.extraordinary()) {
     ASSIGN_OR_RETURN(const Index place,
                      namedVertex("an extraordinary point", vertex, subject.places));

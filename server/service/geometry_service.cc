@@ -192,7 +192,8 @@ class GeometryService final : public v1::GeometryService::CallbackService {
     return EventStream<v1::ParameterizeResponse>::answerInParts(
         backend_, *rpc, {"Parameterize"},
         firstOf(checkSource(request->source(), "source"),
-                checkPrepare(request->prepare(), "prepare"),
+                checkPrepare(request->prepare(), "prepare",
+                             request->options().target() == v1::ParameterizationOptions::FLAT),
                 checkParameterization(request->options(), "options")),
         [this, kept = std::make_shared<v1::ParameterizeRequest>(*request)](Context& context) {
           return parameterize(context, backend_, *kept);

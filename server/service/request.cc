@@ -109,7 +109,7 @@ Refusal checkSource(const v1::MeshSource& source, const std::string& field) {
           field};
 }
 
-Refusal checkPrepare(const v1::PrepareOptions& options, const std::string& field) {
+Refusal checkPrepare(const v1::PrepareOptions& options, const std::string& field, bool all) {
   if (options.has_fill_holes() &&
       !(std::isfinite(options.fill_holes()) && options.fill_holes() > 0)) {
     return {{Reason::kInvalidOption, "fill_holes is not a positive number",
@@ -118,6 +118,12 @@ Refusal checkPrepare(const v1::PrepareOptions& options, const std::string& field
   }
   const std::string& component = options.component();
   if (component.empty() || component == "largest") return {};
+  if (component == "all") {
+    if (all) return {};
+    return {{Reason::kInvalidOption, "this takes one component, not all of them",
+             "give \"largest\" or a number counted from 0"},
+            field + ".component"};
+  }
   if (const auto number = parseInteger(component); number && *number >= 0) return {};
   return {{Reason::kInvalidOption, "no component is called \"" + component + "\"",
            "give \"largest\" or a number counted from 0"},
@@ -178,6 +184,12 @@ Refusal checkTarget(const v1::ParameterizationOptions& options, const std::strin
     if (options.solver() > Options::NEWTON)
       return refuse("the solver is that", "FLAT maps", "solver");
   }
+  if (!has_cones && options.target() != Options::ATLAS) {
+    if (!options.seams().empty())
+      return refuse("seams are those", "FLAT, POLYCUBE and ATLAS maps", "seams");
+    if (options.has_margin())
+      return refuse("the margin is that", "FLAT, POLYCUBE and ATLAS maps", "margin");
+  }
   if (options.target() != Options::ATLAS && !options.extraordinary().empty())
     return refuse("extraordinary points are those", "an ATLAS", "extraordinary");
   if (options.target() != Options::QUADS && options.has_most_squares())
@@ -219,6 +231,21 @@ Refusal checkConeChoice(const v1::ParameterizationOptions& options, const std::s
     return {{Reason::kInvalidOption, "corners of a POLYCUBE have quarter turns in any case",
              "leave quarter_turns out"},
             field + ".quarter_turns"};
+  }
+  return {};
+}
+
+Refusal checkSeams(const v1::ParameterizationOptions& options, const std::string& field) {
+  for (int n = 0; n < options.seams_size(); ++n) {
+    if (options.seams(n).vertices_size() >= 2) continue;
+    return {{Reason::kInvalidOption, "a seam has fewer than two vertices",
+             "name the vertices along it"},
+            field + ".seams[" + std::to_string(n) + "]"};
+  }
+  if (options.has_margin() && !(std::isfinite(options.margin()) && options.margin() >= 0)) {
+    return {{Reason::kInvalidOption, "the margin between islands is negative or no number",
+             "give a fraction of the root of the area, such as 0.01"},
+            field + ".margin"};
   }
   return {};
 }
@@ -372,8 +399,8 @@ Refusal checkParameterization(const v1::ParameterizationOptions& options,
       checkChoice(Options::Solver_IsValid(options.solver()), "solver", options.solver(), field),
       checkChoice(Options::Method_IsValid(options.method()), "method", options.method(), field),
       checkTarget(options, field), checkCones(options, field), checkCorners(options, field),
-      checkConeChoice(options, field), checkQuads(options, field), checkMobius(options, field),
-      checkRegistration(options, field));
+      checkConeChoice(options, field), checkSeams(options, field), checkQuads(options, field),
+      checkMobius(options, field), checkRegistration(options, field));
 }
 
 Refusal checkMatch(const v1::MatchOptions& options, const std::string& field) {

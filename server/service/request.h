@@ -34,7 +34,8 @@ Refusal checkDigest(std::string_view digest, const std::string& field);
 
 /// One kind of source is there, is well-formed, and inline bytes are at most kMaxInlineBytes.
 Refusal checkSource(const v1::MeshSource& source, const std::string& field);
-Refusal checkPrepare(const v1::PrepareOptions& options, const std::string& field);
+/// all: whether a request treats every component.
+Refusal checkPrepare(const v1::PrepareOptions& options, const std::string& field, bool all = false);
 Refusal checkSpace(v1::Signature::Space space, const std::string& field);
 /// A page_size is not negative.
 Refusal checkPageSize(int size);

@@ -59,7 +59,8 @@ Status checkIntrinsicPrepare(const PrepareOptions& prepare) {
   if (prepare.repair.repair) return refuse("--repair");
   if (prepare.repair.fill_holes) return refuse("--fill-holes");
   const std::string& component = prepare.component;
-  if (component.empty() || component == "largest" || component == "0") return {};
+  if (component.empty() || component == "largest" || component == "all" || component == "0")
+    return {};
   return {Reason::kComponentNotFound,
           "there is no component " + component + ": an intrinsic triangulation has one",
           "leave --component out"};

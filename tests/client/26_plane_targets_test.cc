@@ -3,6 +3,8 @@
 #include <complex>
 #include <map>
 #include <numbers>
+#include <set>
+#include <utility>
 
 #include "tests/client/cli_test.h"
 #include "tests/client/obj.h"
@@ -154,6 +156,8 @@ TEST_F(PlaneTargets, ChosenConesTakeStretchingOutAndAreTold) {
   EXPECT_LT(worstCurvature(image, metric["cones"]), kRounding);
   const Json fewer = map("egg.obj", {"flat", "--cones", "auto", "--most-cones", "4"});
   EXPECT_LE(fewer["cone_metric"]["cones"].size(), 4);
+  EXPECT_GT(fewer["cone_metric"]["spread"].number(), 1);
+  EXPECT_THAT(fewer["certificate"]["warnings"].at(0).string(), HasSubstr("CONE_SPREAD"));
   const ProcessResult words = run({"parameterize", "egg.obj", "--to", "flat", "--cones", "auto"});
   ASSERT_THAT(words, Succeeds());
   EXPECT_THAT(words.out, HasSubstr("  cones "));
@@ -337,6 +341,105 @@ TEST_F(PlaneTargets, ZerosOfTheFormSumToTheEulerCharacteristic) {
   EXPECT_EQ(sum, -2);
 }
 
+TEST_F(PlaneTargets, SeamsOfAFileAreCut) {
+  sample("egg.obj", {"spheroid", "a=1", "c=2", "resolution=10"});
+  map("egg.obj", {"flat", "--cones", "auto"});
+  const Obj before = out();
+  const auto isCut = [](const Obj& image, int a, int b) {
+    std::set<std::pair<int, int>> sides;
+    for (std::size_t f = 0; f < image.faces.size(); ++f) {
+      for (int c = 0; c < 3; ++c) {
+        const int d = (c + 1) % 3;
+        if (std::minmax(image.faces[f][c], image.faces[f][d]) != std::minmax(a, b)) continue;
+        sides.insert(std::minmax(image.corners[f][c], image.corners[f][d]));
+      }
+    }
+    return sides.size() == 2;
+  };
+  // A way of some edges where nothing was cut.
+  std::string way;
+  std::vector<int> vertices = {before.faces.back()[0]};
+  for (const std::array<int, 3>& face : before.faces) {
+    for (int c = 0; c < 3 && vertices.size() < 5; ++c) {
+      const int next = face[(c + 1) % 3];
+      if (face[c] != vertices.back() || isCut(before, face[c], next)) continue;
+      if (std::find(vertices.begin(), vertices.end(), next) != vertices.end()) continue;
+      vertices.push_back(next);
+    }
+  }
+  ASSERT_GE(vertices.size(), 2U);
+  for (const int v : vertices) way += std::to_string(v) + " ";
+  write("seams.txt", "# along here\n" + way + "\n");
+  for (const std::vector<std::string>& target : std::vector<std::vector<std::string>>{
+           {"flat", "--cones", "auto"}, {"polycube"}, {"atlas"}}) {
+    std::vector<std::string> words = target;
+    words.insert(words.end(), {"--seams", "seams.txt"});
+    map("egg.obj", words);
+    const Obj image = out();
+    for (std::size_t n = 1; n < vertices.size(); ++n) {
+      EXPECT_TRUE(isCut(image, vertices[n - 1], vertices[n])) << target[0];
+    }
+    EXPECT_EQ(foldedFaces(image), 0);
+  }
+  write("far.txt", "0 1 0 400\n");
+  expectFailure(
+      {"parameterize", "egg.obj", "--to", "flat", "--cones", "auto", "--seams", "far.txt"},
+      "which no edge joins");
+  write("short.txt", "# nothing\n7\n");
+  expectFailure(
+      {"parameterize", "egg.obj", "--to", "flat", "--cones", "auto", "--seams", "short.txt"},
+      "short.txt:2: a seam has two vertices at least");
+  expectFailure(
+      {"parameterize", "egg.obj", "--to", "flat", "--cones", "auto", "--seams", "none.txt"},
+      "none.txt");
+}
+
+TEST_F(PlaneTargets, ComponentsLieSideBySideWithTheMarginAskedFor) {
+  sample("egg.obj", {"spheroid", "a=1", "c=2", "resolution=6"});
+  sample("ring.obj", {"torus", "resolution=6"});
+  // Both in one file: the second one's numbers follow the first one's.
+  const Obj egg = Obj::parse(read("egg.obj")), ring = Obj::parse(read("ring.obj"));
+  std::string both;
+  for (const Obj* part : {&egg, &ring}) {
+    for (const std::string& line : part->vertices) both += line + "\n";
+  }
+  const auto first = static_cast<int>(egg.vertices.size());
+  for (const Obj* part : {&egg, &ring}) {
+    for (const std::array<int, 3>& face : part->faces) {
+      both += "f";
+      for (const int v : face) both += " " + std::to_string(v + 1 + (part == &ring ? first : 0));
+      both += "\n";
+    }
+  }
+  write("both.obj", both);
+  const Json report =
+      map("both.obj", {"flat", "--cones", "auto", "--component", "all", "--margin", "0.2"});
+  const Obj image = out();
+  EXPECT_EQ(report["layout"]["mapped_faces"].number(), static_cast<double>(image.faces.size()));
+  EXPECT_EQ(foldedFaces(image), 0);
+  for (const std::array<int, 3>& corners : image.corners) EXPECT_GE(corners[0], 0);
+  // The boxes of both: apart by a fifth of the root of the area, at least.
+  double area = 0;
+  std::array<std::array<double, 4>, 2> box{
+      {{1e300, 1e300, -1e300, -1e300}, {1e300, 1e300, -1e300, -1e300}}};
+  for (std::size_t f = 0; f < image.faces.size(); ++f) {
+    area += image.doubledArea(f) / 2;
+    std::array<double, 4>& own = box[image.faces[f][0] < first ? 0 : 1];
+    for (const int corner : image.corners[f]) {
+      const Complex p = image.points[corner];
+      own = {std::min(own[0], p.real()), std::min(own[1], p.imag()), std::max(own[2], p.real()),
+             std::max(own[3], p.imag())};
+    }
+  }
+  if (report["layout"]["islands"].number() == 2) {
+    const double apart = std::max({box[0][0] - box[1][2], box[1][0] - box[0][2],
+                                   box[0][1] - box[1][3], box[1][1] - box[0][3]});
+    EXPECT_NEAR(apart / std::sqrt(area), 0.2, 1e-9);
+  }
+  expectFailure({"parameterize", "both.obj", "--to", "flat"}, "MULTIPLE_COMPONENTS");
+  expectFailure({"signature", "both.obj", "--component", "all"}, "this takes one component");
+}
+
 TEST_F(PlaneTargets, SurfacesThatDoNotFitAreRefused) {
   sample("ball.off", {"sphere", "resolution=4"});
   sample("disk.off", {"disk", "resolution=4"});
@@ -363,7 +466,11 @@ TEST_F(PlaneTargets, OptionsOfOtherTargetsAreWrongUsage) {
                                              {"flat", "--extraordinary", "1"},
                                              {"atlas", "--extraordinary", "1,,2"},
                                              {"flat", "--most-squares", "9"},
-                                             {"quads", "--most-squares", "-1"}}) {
+                                             {"quads", "--most-squares", "-1"},
+                                             {"torus", "--margin", "0.1"},
+                                             {"atlas", "--margin", "-1"},
+                                             {"sphere", "--component", "all"},
+                                             {"disk", "--seams", "seams.txt"}}) {
     std::vector<std::string> command = {"parameterize", "ball.off", "--to"};
     command.insert(command.end(), words.begin(), words.end());
     EXPECT_THAT(run(command), IsUsageError()) << testing::PrintToString(words);

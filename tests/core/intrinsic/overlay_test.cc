@@ -326,6 +326,17 @@ TEST(Subdivide, CutsFacesIntoPiecesOfTheSameArea) {
     EXPECT_NEAR(fine[e], std::abs(plane.points[surface->tail(h)] - plane.points[surface->head(h)]),
                 1e-13);
   }
+  // Pieces of a given edge lie along it, and make up its length.
+  for (Index e = 0; e < polygon.surface.edgeCount(); ++e) {
+    std::vector<bool> one(polygon.surface.edgeCount(), false);
+    one[e] = true;
+    const std::vector<bool> along = edgesAlong(polygon.surface, one, *result, *surface);
+    double length = 0;
+    for (Index piece = 0; piece < surface->edgeCount(); ++piece) {
+      if (along[piece]) length += fine[piece];
+    }
+    EXPECT_NEAR(length, lengths[e], 1e-13);
+  }
 }
 
 TEST(Subdivide, LeavesDistantFacesAlone) {

@@ -112,6 +112,10 @@ TEST(Prepare, PicksAComponentByNumberOrSize) {
     EXPECT_THAT(prepared->warnings[0], HasSubstr("MULTIPLE_COMPONENTS: the surface has 2"));
   }
   EXPECT_EQ(prepare(soup, "0")->mesh.faceCount(), 4);
+  const auto all = prepare(soup, "all");
+  ASSERT_OK(all);
+  EXPECT_EQ(all->mesh.connectivity().faces(), soup.faces);
+  EXPECT_TRUE(all->warnings.empty());
   EXPECT_THAT(prepare(soup, "2"), FailsWith(Reason::kComponentNotFound));
   EXPECT_THAT(prepare(soup, "-1"), FailsWith(Reason::kComponentNotFound));
   EXPECT_THAT(prepare(soup, "biggest"), FailsWith(Reason::kInvalidOption));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/intrinsic/angles.h"
+#include "core/parameterize/seams.h"
 #include "tests/core/forms/glued_surfaces.h"
 #include "tests/core/parameterize/layout_checks.h"
 #include "tests/core/testing.h"
@@ -50,6 +51,14 @@ std::vector<MetricSurface> flatSurfaces() {
           squareTiledL()};
 }
 
+/// Through its cones.
+std::vector<bool> seamsOf(const MetricSurface& metric, const std::vector<bool>& cones) {
+  return chooseSeams(metric.surface, metric.lengths, cones, {});
+}
+std::vector<bool> seamsOf(const MetricSurface& metric) {
+  return seamsOf(metric, conesOf(metric));
+}
+
 /// Roundings pile up along the faces of the tree, at most all of them; corners of thin faces turn
 /// more than that.
 double rounding(const MetricSurface& metric) {
@@ -61,7 +70,7 @@ double rounding(const MetricSurface& metric) {
 TEST(LayOut, PlacesEveryFaceAsItsChartUpToATurn) {
   for (const MetricSurface& metric : flatSurfaces()) {
     const FlatCharts charts = chartsOf(metric);
-    const PlanarLayout layout = layOut(metric.surface, charts, conesOf(metric));
+    const PlanarLayout layout = layOut(metric.surface, charts, seamsOf(metric));
     const PlanarFaces faces{metric.surface, layout.points, layout.corner};
     ASSERT_TRUE(faces.namesAllCorners());
     const double longest = *std::max_element(metric.lengths.begin(), metric.lengths.end());
@@ -82,7 +91,7 @@ TEST(LayOut, PlacesEveryFaceAsItsChartUpToATurn) {
 
 TEST(LayOut, CutsToADisk) {
   for (const MetricSurface& metric : flatSurfaces()) {
-    const PlanarLayout layout = layOut(metric.surface, chartsOf(metric), conesOf(metric));
+    const PlanarLayout layout = layOut(metric.surface, chartsOf(metric), seamsOf(metric));
     const PlanarFaces faces{metric.surface, layout.points, layout.corner};
     EXPECT_EQ(faces.eulerCharacteristic(), 1);
   }
@@ -91,7 +100,7 @@ TEST(LayOut, CutsToADisk) {
 TEST(LayOut, EndsSeamsAtConesAndOnTheBoundary) {
   for (const MetricSurface& metric : flatSurfaces()) {
     const std::vector<bool> cones = conesOf(metric);
-    const PlanarLayout layout = layOut(metric.surface, chartsOf(metric), cones);
+    const PlanarLayout layout = layOut(metric.surface, chartsOf(metric), seamsOf(metric, cones));
     const PlanarFaces faces{metric.surface, layout.points, layout.corner};
     std::vector<int> ends(metric.surface.vertexCount(), 0);
     bool any = false;
@@ -115,7 +124,7 @@ TEST(LayOut, EndsSeamsAtConesAndOnTheBoundary) {
 
 TEST(LayOut, OfADiskIsTheDisk) {
   const MetricSurface metric = insertVertices(plate(4, 3, {}), 20, 0.1, 1);
-  const PlanarLayout layout = layOut(metric.surface, chartsOf(metric), conesOf(metric));
+  const PlanarLayout layout = layOut(metric.surface, chartsOf(metric), seamsOf(metric));
   EXPECT_EQ(layout.points.size(), static_cast<std::size_t>(metric.surface.vertexCount()));
   // The corners of the plate: a rectangle of 4 by 3.
   double largest = 0;
@@ -130,8 +139,7 @@ TEST(LayOut, OfATorusHasItsLatticeBetweenSides) {
   // two span a whole number of areas of the torus.
   const Complex tau(0.3, 1.2);
   const MetricSurface metric = flatTorus(tau, 6, 5, 0.2, 1);
-  const PlanarLayout layout =
-      layOut(metric.surface, chartsOf(metric), std::vector<bool>(30, false));
+  const PlanarLayout layout = layOut(metric.surface, chartsOf(metric), seamsOf(metric, {}));
   const PlanarFaces faces{metric.surface, layout.points, layout.corner};
   std::vector<Complex> translations;
   for (Index h = 0; h < metric.surface.halfedgeCount(); ++h) {
@@ -161,10 +169,11 @@ TEST(LayOut, SaysHowFarFacesMissOneAnother) {
     pyramid.lengths[pyramid.surface.edge(h)] = 2 * std::sin((kPi / 2 - 0.025) / 2);
   }
   const FlatCharts charts = chartsOf(pyramid);
-  const PlanarLayout whole = layOut(pyramid.surface, charts, std::vector<bool>(5, false));
+  const PlanarLayout whole = layOut(pyramid.surface, charts, seamsOf(pyramid, {}));
   // One arm of length 1 opens by the angle 0.1.
   EXPECT_NEAR(whole.closure, 2 * std::sin(0.05), 1e-13);
-  const PlanarLayout cut = layOut(pyramid.surface, charts, {false, false, false, false, true});
+  const PlanarLayout cut =
+      layOut(pyramid.surface, charts, seamsOf(pyramid, {false, false, false, false, true}));
   EXPECT_LT(cut.closure, 1e-13);
   EXPECT_EQ(cut.points.size(), 6U);
 }

@@ -156,6 +156,20 @@ TEST_F(PlaneTargetsTest, WrongRequestsNameTheirField) {
   options.clear_most_squares();
   options.set_cut_overlaps(true);
   EXPECT_THAT(detailsOf(request), HasSubstr("options.cut_overlaps"));
+  options.clear_cut_overlaps();
+  options.set_margin(0.1);
+  EXPECT_THAT(detailsOf(request), HasSubstr("options.margin"));
+  options.set_target(Options::ATLAS);
+  options.set_margin(-0.1);
+  EXPECT_THAT(detailsOf(request), HasSubstr("options.margin"));
+  options.clear_margin();
+  options.add_seams()->add_vertices(3);
+  EXPECT_THAT(detailsOf(request), HasSubstr("options.seams[0]"));
+  options.set_target(Options::QUADS);
+  EXPECT_THAT(detailsOf(request), HasSubstr("options.seams"));
+  options.clear_seams();
+  request.mutable_prepare()->set_component("all");
+  EXPECT_THAT(detailsOf(request), HasSubstr("prepare.component"));
 }
 
 }  // namespace
