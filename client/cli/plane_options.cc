@@ -45,8 +45,8 @@ std::vector<OptionSpec> planeOptions() {
                "squares goes on around every cone"},
       {.names = "--overlaps",
        .value = "cut|keep",
-       .help = "Where a layout with cones lies on itself: cut it into islands side by side (cut), "
-               "or leave it so",
+       .help = "Where a layout with cones, or of squares, lies on itself: cut it into islands side "
+               "by side (cut), or leave it so",
        .choices = {"cut", "keep"}},
       {.names = "--seams",
        .value = "FILE",
@@ -92,8 +92,8 @@ std::optional<std::string> checkPlaneOptions(const Arguments& arguments) {
   if (arguments.has("seamless") && !(flat && choosesCones(arguments))) {
     return "--seamless is for --to flat --cones auto";
   }
-  if (arguments.has("overlaps") && !flat && !polycube) {
-    return "--overlaps is for --to flat and --to polycube";
+  if (arguments.has("overlaps") && !flat && !polycube && target != "quads") {
+    return "--overlaps is for --to flat, --to polycube and --to quads";
   }
   for (const char* name : {"seams", "margin"}) {
     if (arguments.has(name) && !flat && !polycube && target != "atlas") {
