@@ -53,9 +53,9 @@ Eigen::Index fixedUnknown(const Objective& objective, const SparseMatrix& hessia
 
 void HessianFactor::take(Objective& objective) {
   const SparseMatrix& hessian = objective.hessian();
-  const bool same = solver_ && objective.patternVersion() == pattern_version_ &&
-                    hessian.nonZeros() == matrix_.nonZeros();
-  if (!same) solver_.reset();
+  if (solver_ && hessian.rows() != matrix_.rows()) solver_.reset();
+  same_pattern_ =
+      objective.patternVersion() == pattern_version_ && hessian.nonZeros() == matrix_.nonZeros();
   pattern_version_ = objective.patternVersion();
   matrix_ = hessian;
   matrix_.makeCompressed();
@@ -66,7 +66,10 @@ void HessianFactor::take(Objective& objective) {
 
 Status HessianFactor::attempt(Context& context) {
   ++factorizations_;
-  if (solver_) return solver_->refactorize(context, matrix_);
+  if (solver_) {
+    const bool same = std::exchange(same_pattern_, true);
+    return same ? solver_->refactorize(context, matrix_) : solver_->reanalyze(context, matrix_);
+  }
   Result<SpdSolver> made = SpdSolver::make(context, matrix_);
   if (!made.ok()) return made.status();
   solver_ = *std::move(made);

@@ -25,7 +25,8 @@ Result<SparseMatrix> inverseByColumns(Context& context, SpdSolver& solver,
 ///
 /// Where constants are in the kernel one unknown is fixed (the one with the largest diagonal
 /// entry): its row and column are those of the identity, and answers are 0 there. The symbolic
-/// analysis stays while the pattern does. One thread at a time.
+/// analysis stays while the pattern does, the fill-reducing ordering for good. One thread at a
+/// time.
 class HessianFactor {
  public:
   /// What to do with a Hessian that is not positive definite.
@@ -67,6 +68,7 @@ class HessianFactor {
   double norm_ = 0;
   Eigen::Index fixed_ = -1;
   int pattern_version_ = 0;
+  bool same_pattern_ = false;  ///< As the solver's last one.
   int factorizations_ = 0;
 };
 
