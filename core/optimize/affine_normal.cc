@@ -101,7 +101,7 @@ Result<Eigen::VectorXd> gaussianTau(const Here& here, const Eigen::MatrixXd& P) 
 
 Result<Eigen::VectorXd> analyticTau(const Here& here, HessianFactor& factor,
                                     const Eigen::VectorXd& newton, double q) {
-  ASSIGN_OR_RETURN(SparseMatrix weights, factor.inverse(here.context, here.options.inverse));
+  ASSIGN_OR_RETURN(SparseMatrix weights, factor.inverse(here.context));
   for (Eigen::Index column = 0; column < weights.outerSize(); ++column) {
     for (SparseMatrix::InnerIterator it(weights, column); it; ++it) {
       it.valueRef() -= newton[it.row()] * newton[column] / q;

@@ -37,9 +37,6 @@ MinimizeOptions optionsFor(MinimizeMethod method, const NewtonOptions& options,
   result.gradient_tolerance = options.tolerance * std::sqrt(static_cast<double>(dimension));
   result.max_iterations =
       options.max_iterations * (method == MinimizeMethod::kLbfgs ? kCheapSteps : 1);
-  result.affine.inverse = [](Context& context, SpdSolver& solver, const SparseMatrix& pattern) {
-    return solver.inverseOnPattern(context, pattern);
-  };
   return result;
 }
 

@@ -356,29 +356,6 @@ TEST(AffineNormal, OfOneUnknownIsTheNewtonStep) {
   EXPECT_NEAR(normal->direction[0], newton, 1e-15 * std::abs(newton));
 }
 
-TEST(AffineNormal, TakesTheInverseOnThePatternFromWhoeverHasIt) {
-  const NamedObjective f = named("rosenbrock", 6);
-  const Eigen::VectorXd x = Eigen::VectorXd::Constant(6, 1.1);
-  Context context;
-  const auto plain = affineNormal(context, *f.objective, x);
-  int calls = 0;
-  AffineNormalOptions options;
-  options.inverse = [&](Context& c, SpdSolver& solver, const SparseMatrix& pattern) {
-    ++calls;
-    EXPECT_EQ(pattern.nonZeros(), 11);  // Tridiagonal.
-    return inverseByColumns(c, solver, pattern);
-  };
-  const auto given = affineNormal(context, *f.objective, x, options);
-  ASSERT_OK(plain);
-  ASSERT_OK(given);
-  EXPECT_EQ(calls, 1);
-  EXPECT_EQ(plain->direction, given->direction);
-  options.inverse = [](Context&, SpdSolver&, const SparseMatrix&) -> Result<SparseMatrix> {
-    return Status{Reason::kMeshTooLarge, "no room"};
-  };
-  EXPECT_THAT(affineNormal(context, *f.objective, x, options), FailsWith(Reason::kMeshTooLarge));
-}
-
 TEST(AffineNormal, LeavesTheObjectiveWhereItWasAsked) {
   const NamedObjective f = named("exp-sum", 4);
   Context context;
