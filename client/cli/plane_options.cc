@@ -37,7 +37,8 @@ std::vector<OptionSpec> planeOptions() {
        .check = isPositiveNumber},
       {.names = "--most-cones",
        .value = "N",
-       .help = "Of cones that are chosen: no more than these (64; 48 with --to polycube)",
+       .help = "Of cones that are chosen: no more than these (64; with --to polycube 48, or more "
+               "where a theorem asks for it)",
        .check = isPositiveInteger},
       {.names = "--seamless",
        .value = "",
