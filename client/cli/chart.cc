@@ -60,7 +60,7 @@ void Chart::addTicksY(const std::vector<Tick>& ticks, const std::string& name, b
     stroke({{left_ - kTick, y}, {left_, y}}, kAxis, 1);
     words_.push_back({tick.label, left_ - 9 - widthOf(tick.label, kLabel), y + 4, kLabel, kInk});
   }
-  words_.push_back({name, 14, top_ - 12, 13, kInk, false, left_ - 20});
+  words_.push_back({name, 16, (top_ + bottom_) / 2 + 4, 13, kInk, false, left_ - 40});
 }
 
 void Chart::stroke(Outline outline, const Color& color, double width) {
@@ -132,7 +132,8 @@ std::vector<Chart::Tick> decadeTicks(double low, double high, int count) {
   const double step = std::max(1.0, std::ceil((high - low) / count));
   std::vector<Chart::Tick> ticks;
   for (double k = std::ceil(low / step); k * step <= high; ++k) {
-    ticks.push_back({k * step, "1e" + std::to_string(static_cast<int>(k * step))});
+    const int power = static_cast<int>(k * step);
+    ticks.push_back({k * step, power == 0 ? "1" : "1e" + std::to_string(power)});
   }
   return ticks;
 }

@@ -31,7 +31,8 @@ class Chart {
   void setBox(const std::array<double, 2>& low, const std::array<double, 2>& high);
   std::array<double, 2> place(const std::array<double, 2>& point) const;
 
-  /// Ticks outside the frame, or lines across it, with labels; and what an axis is called.
+  /// Ticks outside the frame, or lines across it, with labels; and what an axis is called: a letter
+  /// where it is y.
   void addTicksX(const std::vector<Tick>& ticks, const std::string& name, bool across);
   void addTicksY(const std::vector<Tick>& ticks, const std::string& name, bool across);
 

@@ -1,5 +1,6 @@
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -81,6 +82,11 @@ void setRicci(const Arguments& arguments, v1::RicciEnergy& energy) {
   }
 }
 
+std::string pictureTitle(const v1::MinimizeRequest& request, const std::string& title) {
+  if (!request.has_ricci()) return title;
+  return "Ricci energy of " + std::filesystem::path(title).filename().string();
+}
+
 /// The files that a run writes.
 class Outputs {
  public:
@@ -98,7 +104,7 @@ class Outputs {
   Status write(const v1::MinimizeRequest& request, const std::string& title,
                const MinimizedFunction& function) {
     if (arguments_.has("picture")) {
-      MinimizePicture picture{request, function, title};
+      MinimizePicture picture{request, function, pictureTitle(request, title)};
       ASSIGN_OR_RETURN(picture.format, parsePictureFormat(arguments_.text("picture")));
       if (arguments_.has("size")) {
         ASSIGN_OR_RETURN(picture.size, parsePictureSize(arguments_.text("size")));

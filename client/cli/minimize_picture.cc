@@ -19,6 +19,8 @@ namespace {
 constexpr Color kGradient = {0, 114, 178}, kValue = {213, 94, 0};
 /// Marks of a line are told apart up to so many.
 constexpr std::size_t kMostMarks = 60;
+/// Of values: differences below it mean nothing.
+constexpr double kRounding = 1e-15;
 
 std::string subtitleOf(const v1::MinimizeRequest& request, const v1::Minimization& result) {
   const bool exact = request.options().line_search() == v1::MinimizeOptions::EXACT;
@@ -28,13 +30,13 @@ std::string subtitleOf(const v1::MinimizeRequest& request, const v1::Minimizatio
          reasonWords(result.reason());
 }
 
-/// Decimal logarithms of positive numbers against their iterations.
+/// Decimal logarithms against the iterations of numbers above `least`, beyond rounding of them.
 Outline logarithms(const std::vector<MinimizedStep>& trace, double (*of)(const MinimizedStep&),
-                   double less) {
+                   double least) {
   Outline points;
   for (const MinimizedStep& step : trace) {
-    const double number = of(step) - less;
-    if (number > 0 && std::isfinite(number)) {
+    const double number = of(step) - least;
+    if (number > kRounding * std::abs(least) && std::isfinite(number)) {
       points.push_back({static_cast<double>(step.iteration), std::log10(number)});
     }
   }

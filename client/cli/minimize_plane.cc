@@ -20,14 +20,15 @@ namespace {
 using Point = std::array<double, 2>;
 
 constexpr double kMargin = 0.16;  ///< Around the path, on each side.
-constexpr double kSample = 3;     ///< Pixels between values.
-constexpr double kArrows = 42;    ///< Pixels between arrows, and their length.
+constexpr double kSample = 1;     ///< Pixels between values, unless there are too many.
+constexpr double kMostSamples = 1e6;
+constexpr double kArrows = 42;  ///< Pixels between arrows, and their length.
 constexpr double kArrow = 22;
 constexpr int kLevels = 15;
 /// Shares of the values below the lowest and the highest level.
-constexpr double kLowest = 0.0015, kHighest = 0.97;
+constexpr double kLowest = 0.003, kHighest = 0.97;
 constexpr std::size_t kMostDots = 80;
-constexpr Color kPath = {213, 94, 0}, kField = {158, 166, 178}, kEnd = {26, 26, 26};
+constexpr Color kPath = {213, 94, 0}, kField = {142, 150, 163}, kEnd = {26, 26, 26};
 
 struct Box {
   Point low, high;
@@ -80,8 +81,10 @@ class Plane {
 
   void addLevels(const Box& box) {
     GridValues grid;
-    grid.columns = static_cast<int>(chart_.frameWidth() / kSample) + 2;
-    grid.rows = static_cast<int>(chart_.frameHeight() / kSample) + 2;
+    const double pixels = chart_.frameWidth() * chart_.frameHeight();
+    const double sample = kSample * std::max(1.0, std::sqrt(pixels / kMostSamples));
+    grid.columns = static_cast<int>(chart_.frameWidth() / sample) + 2;
+    grid.rows = static_cast<int>(chart_.frameHeight() / sample) + 2;
     for (int j = 0; j < grid.rows; ++j) {
       for (int i = 0; i < grid.columns; ++i) {
         grid.values.push_back(valueAt(inBox(box, i, grid.columns - 1, j, grid.rows - 1)));

@@ -222,12 +222,19 @@ TEST_F(OptimizeTest, TheScalesOfAFlatTorusHaveTheMeanZero) {
     ASSERT_OK(answer);
     EXPECT_TRUE(answer->result.converged());
     EXPECT_LT(std::abs(pointOf(*answer).mean()), 1e-14);
-    EXPECT_GT(pointOf(*answer).norm(), 0.1) << "the torus of revolution is curved";
+    // Circles that touch in a lattice of six neighbours each are equal; the others know that the
+    // torus of revolution is curved.
+    const double size = pointOf(*answer).norm();
+    if (scheme == v1::ParameterizationOptions::TANGENTIAL) {
+      EXPECT_LT(size, 1e-10);
+    } else {
+      EXPECT_GT(size, 0.1);
+    }
   }
 }
 
 TEST_F(OptimizeTest, PointsOfManyUnknownsComeInChunks) {
-  const TriangleSoup soup = *makeSample("torus", {{"resolution", 150}});
+  const TriangleSoup soup = *makeSample("torus", {{"resolution", 270}});
   ASSERT_GT(soup.vertices.size(), 131072U) << "more than a chunk has room for";
   const auto digest = peer_->upload(*writeMesh(soup, MeshFormat::kOff));
   ASSERT_OK(digest);
