@@ -78,8 +78,8 @@ class Client {
   /// Fails with kInternal where the map that arrives is broken (see MatchAssembler).
   Result<MatchedSurfaces> match(const v1::MatchSurfacesRequest& request);
 
-  /// A search that has not converged is no failure: the result tells. Fails with kInternal where the
-  /// arrays that arrive are broken (see MinimizeAssembler).
+  /// A search that has not converged is no failure: the result tells. Fails with kInternal where
+  /// the arrays that arrive are broken (see MinimizeAssembler).
   Result<MinimizedFunction> minimize(const v1::MinimizeRequest& request);
   /// Of a request with direction_at.
   Result<v1::AffineDirection> affineNormal(const v1::MinimizeRequest& request);
