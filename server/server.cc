@@ -117,6 +117,7 @@ class GrpcServer final : public Server {
       : options_(options), backend_(std::move(backend)) {
     services_.push_back(makeGeometryService(*backend_));
     services_.push_back(makeCatalogService(*backend_));
+    services_.push_back(makeOptimizeService(*backend_));
   }
 
   ~GrpcServer() override {
@@ -181,7 +182,8 @@ Status GrpcServer::listen() {
     endpoint.port = static_cast<std::uint16_t>(port);
     address_ = endpoint.toString();
   }
-  for (const char* name : {"moduli.v1.GeometryService", "moduli.v1.CatalogService"}) {
+  for (const char* name :
+       {"moduli.v1.GeometryService", "moduli.v1.CatalogService", "moduli.v1.OptimizeService"}) {
     grpc_->GetHealthCheckService()->SetServingStatus(name, true);
   }
   const auto hour = std::chrono::seconds(3600);

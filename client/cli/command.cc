@@ -38,9 +38,9 @@ void Arguments::add(const std::string& key, std::string value) {
 const std::vector<CommandSpec>& commands() {
   static const std::vector<CommandSpec> all = [] {
     std::vector<CommandSpec> list;
-    for (auto group :
-         {computeCommands, parameterizeCommands, matchCommands, collectionCommands, addCommands,
-          shapeCommands, searchCommands, evaluateCommands, sampleCommands, aboutCommands}) {
+    for (auto group : {computeCommands, parameterizeCommands, matchCommands, minimizeCommands,
+                       collectionCommands, addCommands, shapeCommands, searchCommands,
+                       evaluateCommands, sampleCommands, aboutCommands}) {
       for (CommandSpec& command : group()) list.push_back(std::move(command));
     }
     return list;

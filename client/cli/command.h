@@ -85,6 +85,7 @@ const CommandSpec* findCommand(const std::string& path);
 std::vector<CommandSpec> computeCommands();
 std::vector<CommandSpec> parameterizeCommands();
 std::vector<CommandSpec> matchCommands();
+std::vector<CommandSpec> minimizeCommands();
 std::vector<CommandSpec> collectionCommands();
 std::vector<CommandSpec> addCommands();
 std::vector<CommandSpec> shapeCommands();

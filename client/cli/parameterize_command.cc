@@ -300,7 +300,7 @@ std::vector<OptionSpec> parameterizeOptions() {
       {.names = "--solver",
        .value = "SOLVER",
        .help = "How the metric is found (newton)",
-       .choices = {"newton", "flow"}},
+       .choices = {"newton", "affine-normal", "lbfgs", "flow"}},
       initialDelaunayOption()};
   std::vector<OptionSpec> files = parameterizeFileOptions();
   options.insert(options.begin() + 1, std::move_iterator(files.begin()),

@@ -11,12 +11,14 @@
 #include "client/cpp/ingest.h"
 #include "client/cpp/matched_surfaces.h"
 #include "client/cpp/mesh_bytes.h"
+#include "client/cpp/minimized_function.h"
 #include "client/cpp/paging.h"
 #include "client/cpp/parameterized_mesh.h"
 #include "client/cpp/retry.h"
 #include "core/base/status.h"
 #include "moduli/v1/catalog.pb.h"
 #include "moduli/v1/geometry_service.pb.h"
+#include "moduli/v1/optimize.pb.h"
 
 namespace grpc {
 class Channel;
@@ -75,6 +77,12 @@ class Client {
 
   /// Fails with kInternal where the map that arrives is broken (see MatchAssembler).
   Result<MatchedSurfaces> match(const v1::MatchSurfacesRequest& request);
+
+  /// A search that has not converged is no failure: the result tells. Fails with kInternal where
+  /// the arrays that arrive are broken (see MinimizeAssembler).
+  Result<MinimizedFunction> minimize(const v1::MinimizeRequest& request);
+  /// Of a request with direction_at.
+  Result<v1::AffineDirection> affineNormal(const v1::MinimizeRequest& request);
 
   /// Collections and shapes go by resource name: collections/C and collections/C/shapes/S.
   /// wanted_recall: as in v1::Collection.

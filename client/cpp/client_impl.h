@@ -10,6 +10,7 @@
 #include "client/cpp/client.h"
 #include "moduli/v1/catalog.grpc.pb.h"
 #include "moduli/v1/geometry_service.grpc.pb.h"
+#include "moduli/v1/optimize.grpc.pb.h"
 #include "server/rpc/grpc_status.h"
 
 namespace moduli {
@@ -19,7 +20,8 @@ struct Client::Impl {
   Impl(const std::shared_ptr<grpc::Channel>& channel, const ClientOptions& options)
       : runner(options),
         geometry(v1::GeometryService::NewStub(channel)),
-        catalog(v1::CatalogService::NewStub(channel)) {}
+        catalog(v1::CatalogService::NewStub(channel)),
+        optimize(v1::OptimizeService::NewStub(channel)) {}
 
   template <typename Response, typename Stub, typename Request>
   Result<Response> unary(bool idempotent, Stub& stub,
@@ -54,6 +56,7 @@ struct Client::Impl {
   CallRunner runner;
   std::unique_ptr<v1::GeometryService::Stub> geometry;
   std::unique_ptr<v1::CatalogService::Stub> catalog;
+  std::unique_ptr<v1::OptimizeService::Stub> optimize;
 };
 
 }  // namespace moduli

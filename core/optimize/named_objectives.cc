@@ -100,20 +100,24 @@ const std::vector<std::string>& objectiveNames() {
   return names;
 }
 
-Result<NamedObjective> makeObjective(std::string_view name, const ObjectiveOptions& options) {
+Status checkObjective(std::string_view name, const ObjectiveOptions& options) {
   const auto& names = objectiveNames();
   if (std::find(names.begin(), names.end(), name) == names.end()) return unknownName(name);
   const Eigen::Index least = name == "rosenbrock" ? 2 : 1;
   if (options.dimension < least || options.dimension > largestDimension(name)) {
-    return Status{Reason::kInvalidOption, "dimension is " + std::to_string(options.dimension) +
-                                              ", " + std::string(name) + " takes " +
-                                              std::to_string(least) + " to " +
-                                              std::to_string(largestDimension(name))};
+    return {Reason::kInvalidOption, "dimension is " + std::to_string(options.dimension) + ", " +
+                                        std::string(name) + " takes " + std::to_string(least) +
+                                        " to " + std::to_string(largestDimension(name))};
   }
   if (!(options.condition >= 1) || !std::isfinite(options.condition)) {
-    return Status{Reason::kInvalidOption, "condition is " + shortestDouble(options.condition) +
-                                              ", a finite number of at least 1 is needed"};
+    return {Reason::kInvalidOption, "condition is " + shortestDouble(options.condition) +
+                                        ", a finite number of at least 1 is needed"};
   }
+  return {};
+}
+
+Result<NamedObjective> makeObjective(std::string_view name, const ObjectiveOptions& options) {
+  RETURN_IF_ERROR(checkObjective(name, options));
   if (name == "quadratic") return quadratic(options);
   if (name == "quartic") return quartic(options);
   if (name == "rosenbrock") return rosenbrock(options);

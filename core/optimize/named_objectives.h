@@ -33,6 +33,9 @@ struct NamedObjective {
 /// "quadratic", "quartic", "rosenbrock", "log-barrier", "log-sum-exp", "exp-sum".
 const std::vector<std::string>& objectiveNames();
 
+/// Whether there is such a function: what makeObjective refuses. O(1).
+Status checkObjective(std::string_view name, const ObjectiveOptions& options);
+
 /// quadratic: (x - c)^T A (x - c) / 2, eigenvalues of A from 1 to `condition` in geometric
 /// progression in a random orthonormal basis, c random. quartic: sum x_i^4. rosenbrock: chained,
 /// sum 100 (x_{i+1} - x_i^2)^2 + (1 - x_i)^2, at least 2 unknowns. log-barrier: c.x - sum log x_i,

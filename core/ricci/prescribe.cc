@@ -106,9 +106,14 @@ Status PrescribedCurvature::fitScale(Context& context, const Eigen::VectorXd& ta
   return {};
 }
 
-Result<RicciSolution> PrescribedCurvature::search(Context& context, const Eigen::VectorXd& target,
-                                                  const NewtonOptions& options) {
-  return findCurvature(context, *model_, target, u_, options, options_.solver);
+Result<PrescribedCurvature::Search> PrescribedCurvature::search(Context& context,
+                                                                const std::vector<double>& target) {
+  Eigen::VectorXd wanted = perUnknown(target);
+  if (options_.geometry == Geometry::kHyperbolic && !scaled_) {
+    RETURN_IF_ERROR(fitScale(context, wanted));
+    scaled_ = true;
+  }
+  return Search{*model_, std::move(wanted), u_};
 }
 
 Result<DiscreteMetric> PrescribedCurvature::solve(Context& context,
@@ -128,12 +133,10 @@ Result<DiscreteMetric> PrescribedCurvature::find(Context& context,
                                                  const std::vector<double>& target,
                                                  NewtonOptions options) {
   options.fixed = options_.fixed;
-  const Eigen::VectorXd wanted = perUnknown(target);
-  if (options_.geometry == Geometry::kHyperbolic && !scaled_) {
-    RETURN_IF_ERROR(fitScale(context, wanted));
-    scaled_ = true;
-  }
-  ASSIGN_OR_RETURN(const RicciSolution solution, search(context, wanted, options));
+  ASSIGN_OR_RETURN(const Search from, search(context, target));
+  ASSIGN_OR_RETURN(
+      const RicciSolution solution,
+      findCurvature(context, from.model, from.target, from.start, options, options_.solver));
   u_ = solution.u;
   DiscreteMetric metric{options_.geometry,
                         model_->triangulation(),

@@ -52,11 +52,19 @@ class PrescribedCurvature {
   Result<DiscreteMetric> approach(Context& context, const std::vector<double>& target,
                                   double tolerance);
 
+  /// What a minimizer of the Ricci energy needs to know: per unknown the curvature wanted, and
+  /// where solve() would start. Lives as long as the problem.
+  struct Search {
+    VertexScalingModel& model;
+    Eigen::VectorXd target;
+    Eigen::VectorXd start;
+  };
+  /// target: as in solve(). Fails as moves of the model do. O(F) for each of some scalings in H2.
+  Result<Search> search(Context& context, const std::vector<double>& target);
+
  private:
   Result<DiscreteMetric> find(Context& context, const std::vector<double>& target,
                               NewtonOptions options);
-  Result<RicciSolution> search(Context& context, const Eigen::VectorXd& target,
-                               const NewtonOptions& options);
   Eigen::VectorXd perUnknown(const std::vector<double>& target) const;
   Status fitScale(Context& context, const Eigen::VectorXd& target);
 

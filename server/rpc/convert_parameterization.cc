@@ -17,6 +17,8 @@ static_assert(static_cast<int>(Scheme::kVertexScaling) + 1 == Options::VERTEX_SC
 static_assert(static_cast<int>(Scheme::kInversiveDistance) + 1 == Options::INVERSIVE_DISTANCE);
 static_assert(static_cast<int>(RicciSolver::kNewton) + 1 == Options::NEWTON);
 static_assert(static_cast<int>(RicciSolver::kFlow) + 1 == Options::FLOW);
+static_assert(static_cast<int>(RicciSolver::kAffineNormal) + 1 == Options::AFFINE_NORMAL);
+static_assert(static_cast<int>(RicciSolver::kLbfgs) + 1 == Options::LBFGS);
 static_assert(static_cast<int>(MapMethod::kAuto) + 1 == Options::AUTO);
 static_assert(static_cast<int>(MapMethod::kRobust) + 1 == Options::ROBUST);
 

@@ -16,4 +16,7 @@ std::unique_ptr<grpc::Service> makeGeometryService(Backend& backend);
 /// moduli.v1.CatalogService. backend must outlive it.
 std::unique_ptr<grpc::Service> makeCatalogService(Backend& backend);
 
+/// moduli.v1.OptimizeService. backend must outlive it.
+std::unique_ptr<grpc::Service> makeOptimizeService(Backend& backend);
+
 }  // namespace moduli

@@ -151,6 +151,10 @@ show "23. Where is each point of a surface on another one?" match-ellipsoids.png
   match "$out/meshes/spheres/ellipsoid.ply" "$out/meshes/spheres/ellipsoid-remeshed.ply" \
   -o "$out/map.csv"
 head -4 "$out/map.csv"
+
+show "22. Down the valley along affine normals" minimize-rosenbrock.png \
+  "Rosenbrock's function: level sets, their affine normals, and the path to the minimum at (1, 1)." \
+  minimize rosenbrock --start -1.2,1 --trace "$out/rosenbrock.csv"
 printf '</body>\n</html>\n' >>"$gallery"
 
 say "Done. Look at $gallery, or at the pictures themselves:"

@@ -99,6 +99,7 @@ TEST_F(LifecycleTest, ReflectionNamesTheServices) {
   ASSERT_TRUE(response.DumpToSingleSlice(&answer).ok());
   const std::string text(reinterpret_cast<const char*>(answer.begin()), answer.size());
   EXPECT_NE(text.find("moduli.v1.GeometryService"), std::string::npos);
+  EXPECT_NE(text.find("moduli.v1.OptimizeService"), std::string::npos);
   EXPECT_NE(text.find("moduli.v1.CatalogService"), std::string::npos);
   EXPECT_NE(text.find("grpc.health.v1.Health"), std::string::npos);
   context.TryCancel();

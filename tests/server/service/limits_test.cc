@@ -129,7 +129,8 @@ TEST_F(LimitsTest, HealthAndCatalogueAnswerWhileEveryComputingThreadIsBusy) {
   const auto computing = start(large_);
   ASSERT_TRUE(computing->waitUntilComputing());
   const auto waiting = start(large_);
-  for (const char* service : {"", "moduli.v1.GeometryService", "moduli.v1.CatalogService"}) {
+  for (const char* service :
+       {"", "moduli.v1.GeometryService", "moduli.v1.CatalogService", "moduli.v1.OptimizeService"}) {
     const auto healthy = peer_->healthy(service, milliseconds(100) + kSlack);
     ASSERT_OK(healthy);
     EXPECT_TRUE(*healthy) << service;
