@@ -37,7 +37,8 @@ std::vector<OptionSpec> planeOptions() {
        .check = isPositiveNumber},
       {.names = "--most-cones",
        .value = "N",
-       .help = "Of cones that are chosen: no more than these (64; 48 with --to polycube)",
+       .help = "Of cones that are chosen: no more than these (64; with --to polycube 48, or more "
+               "where a theorem asks for it)",
        .check = isPositiveInteger},
       {.names = "--seamless",
        .value = "",
@@ -45,8 +46,8 @@ std::vector<OptionSpec> planeOptions() {
                "squares goes on around every cone"},
       {.names = "--overlaps",
        .value = "cut|keep",
-       .help = "Where a layout with cones lies on itself: cut it into islands side by side (cut), "
-               "or leave it so",
+       .help = "Where a layout with cones, or of squares, lies on itself: cut it into islands side "
+               "by side (cut), or leave it so",
        .choices = {"cut", "keep"}},
       {.names = "--seams",
        .value = "FILE",
@@ -92,8 +93,8 @@ std::optional<std::string> checkPlaneOptions(const Arguments& arguments) {
   if (arguments.has("seamless") && !(flat && choosesCones(arguments))) {
     return "--seamless is for --to flat --cones auto";
   }
-  if (arguments.has("overlaps") && !flat && !polycube) {
-    return "--overlaps is for --to flat and --to polycube";
+  if (arguments.has("overlaps") && !flat && !polycube && target != "quads") {
+    return "--overlaps is for --to flat, --to polycube and --to quads";
   }
   for (const char* name : {"seams", "margin"}) {
     if (arguments.has(name) && !flat && !polycube && target != "atlas") {

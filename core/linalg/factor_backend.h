@@ -8,7 +8,7 @@
 #include "core/linalg/selected_inverse.h"
 #include "core/linalg/spd_solver.h"
 
-/// What SpdSolver needs from a direct solver. Only SpdSolver, the back ends and the tests that
+/// What SpdSolver needs from a direct solver. Only core/linalg and the tests that
 /// plant faults include this.
 namespace moduli {
 

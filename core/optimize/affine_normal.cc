@@ -101,7 +101,7 @@ Result<Eigen::VectorXd> gaussianTau(const Here& here, const Eigen::MatrixXd& P) 
 
 Result<Eigen::VectorXd> analyticTau(const Here& here, HessianFactor& factor,
                                     const Eigen::VectorXd& newton, double q) {
-  ASSIGN_OR_RETURN(SparseMatrix weights, factor.inverse(here.context, here.options.inverse));
+  ASSIGN_OR_RETURN(SparseMatrix weights, factor.inverse(here.context));
   for (Eigen::Index column = 0; column < weights.outerSize(); ++column) {
     for (SparseMatrix::InnerIterator it(weights, column); it; ++it) {
       it.valueRef() -= newton[it.row()] * newton[column] / q;
@@ -220,9 +220,7 @@ Result<AffineNormal> affineNormalOf(Context& context, Objective& objective,
   if (!(q > 0)) return vanishingGradient();
   ASSIGN_OR_RETURN(Eigen::VectorXd tau, sparseTau(here, factor, newton, q));
   ASSIGN_OR_RETURN(Eigen::VectorXd tangent, factor.solve(context, tau));
-  // P tau; twice, so that rounding leaves nothing along the gradient.
-  tangent -= newton * (newton.dot(tau) / q);
-  tangent -= newton * (here.gradient.dot(tangent) / q);
+  tangent -= newton * (newton.dot(tau) / q);  // P tau.
   return here.finish(newton + q / here.divisor() * tangent, std::move(tau), true);
 }
 

@@ -48,8 +48,6 @@ struct AffineNormalOptions {
   /// Of second differences: in units of the columns of P, whose natural length is 1.
   /// kLogDeterminant moves unknowns by a hundredth of it, relative to their size.
   double difference_step = 1e-3;
-  /// Of kInverse with kAnalytic; empty: by inverseByColumns.
-  InverseOnPattern inverse;
 };
 
 struct AffineNormal {

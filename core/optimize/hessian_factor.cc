@@ -11,28 +11,8 @@ namespace {
 constexpr double kRoundingShift = 1e-12;
 constexpr double kFirstShift = 1e-4;
 constexpr double kShiftGrowth = 4;
-/// Columns solved for at once.
-constexpr Eigen::Index kBlock = 64;
 
 }  // namespace
-
-Result<SparseMatrix> inverseByColumns(Context& context, SpdSolver& solver,
-                                      const SparseMatrix& pattern) {
-  SparseMatrix inverse = pattern;
-  const Eigen::Index n = pattern.cols();
-  for (Eigen::Index begin = 0; begin < n; begin += kBlock) {
-    const Eigen::Index count = std::min(kBlock, n - begin);
-    Eigen::MatrixXd units = Eigen::MatrixXd::Zero(n, count);
-    for (Eigen::Index j = 0; j < count; ++j) units(begin + j, j) = 1;
-    ASSIGN_OR_RETURN(const Eigen::MatrixXd columns, solver.solve(context, units));
-    for (Eigen::Index j = 0; j < count; ++j) {
-      for (SparseMatrix::InnerIterator it(inverse, begin + j); it; ++it) {
-        it.valueRef() = columns(it.row(), j);
-      }
-    }
-  }
-  return inverse;
-}
 
 void isolate(SparseMatrix& lower, Eigen::Index index) {
   for (Eigen::Index column = 0; column < lower.outerSize(); ++column) {
@@ -53,9 +33,9 @@ Eigen::Index fixedUnknown(const Objective& objective, const SparseMatrix& hessia
 
 void HessianFactor::take(Objective& objective) {
   const SparseMatrix& hessian = objective.hessian();
-  const bool same = solver_ && objective.patternVersion() == pattern_version_ &&
-                    hessian.nonZeros() == matrix_.nonZeros();
-  if (!same) solver_.reset();
+  if (solver_ && hessian.rows() != matrix_.rows()) solver_.reset();
+  same_pattern_ =
+      objective.patternVersion() == pattern_version_ && hessian.nonZeros() == matrix_.nonZeros();
   pattern_version_ = objective.patternVersion();
   matrix_ = hessian;
   matrix_.makeCompressed();
@@ -66,7 +46,10 @@ void HessianFactor::take(Objective& objective) {
 
 Status HessianFactor::attempt(Context& context) {
   ++factorizations_;
-  if (solver_) return solver_->refactorize(context, matrix_);
+  if (solver_) {
+    const bool same = std::exchange(same_pattern_, true);
+    return same ? solver_->refactorize(context, matrix_) : solver_->reanalyze(context, matrix_);
+  }
   Result<SpdSolver> made = SpdSolver::make(context, matrix_);
   if (!made.ok()) return made.status();
   solver_ = *std::move(made);
@@ -104,10 +87,9 @@ Result<Eigen::VectorXd> HessianFactor::solve(Context& context, const Eigen::Vect
   return Eigen::VectorXd(solution.col(0));
 }
 
-Result<SparseMatrix> HessianFactor::inverse(Context& context, const InverseOnPattern& by) {
+Result<SparseMatrix> HessianFactor::inverse(Context& context) {
   if (!solver_) return Status{Reason::kInvalidOption, "there is no factorized Hessian to use"};
-  ASSIGN_OR_RETURN(SparseMatrix inverse, by ? by(context, *solver_, matrix_)
-                                            : inverseByColumns(context, *solver_, matrix_));
+  ASSIGN_OR_RETURN(SparseMatrix inverse, solver_->inverseOnPattern(context, matrix_));
   if (fixed_ >= 0) {
     isolate(inverse, fixed_);
     inverse.coeffRef(fixed_, fixed_) = 0;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <functional>
 #include <optional>
 
 #include "core/base/context.h"
@@ -11,21 +10,12 @@
 
 namespace moduli {
 
-/// Entries of the inverse of the matrix that a solver has factorized, on a pattern: n x n, lower
-/// triangle. The seam where a selected inversion of the sparse factor comes in.
-using InverseOnPattern = std::function<Result<SparseMatrix>(Context& context, SpdSolver& solver,
-                                                            const SparseMatrix& pattern)>;
-
-/// An InverseOnPattern that solves for all columns: exact, n solves, for small n and as a
-/// reference.
-Result<SparseMatrix> inverseByColumns(Context& context, SpdSolver& solver,
-                                      const SparseMatrix& pattern);
-
 /// The Hessian of an objective, factorized point after point.
 ///
 /// Where constants are in the kernel one unknown is fixed (the one with the largest diagonal
 /// entry): its row and column are those of the identity, and answers are 0 there. The symbolic
-/// analysis stays while the pattern does. One thread at a time.
+/// analysis stays while the pattern does, the fill-reducing ordering for good. One thread at a
+/// time.
 class HessianFactor {
  public:
   /// What to do with a Hessian that is not positive definite.
@@ -40,9 +30,9 @@ class HessianFactor {
   /// The solution of (H + shift) x = b; b: n entries, taken as 0 at the fixed unknown.
   Result<Eigen::VectorXd> solve(Context& context, const Eigen::VectorXd& b);
 
-  /// (H + shift)^{-1} on the pattern of H, lower triangle, 0 at the fixed unknown. by: empty for
-  /// inverseByColumns.
-  Result<SparseMatrix> inverse(Context& context, const InverseOnPattern& by);
+  /// (H + shift)^{-1} on the pattern of H, lower triangle, 0 at the fixed unknown: about one
+  /// factorization (SpdSolver::inverseOnPattern).
+  Result<SparseMatrix> inverse(Context& context);
 
   /// H + shift with the fixed unknown isolated; lower triangle.
   const SparseMatrix& matrix() const { return matrix_; }
@@ -67,6 +57,7 @@ class HessianFactor {
   double norm_ = 0;
   Eigen::Index fixed_ = -1;
   int pattern_version_ = 0;
+  bool same_pattern_ = false;  ///< As the solver's last one.
   int factorizations_ = 0;
 };
 

@@ -18,6 +18,7 @@ constexpr double kSteep = 0.9;
 constexpr double kTurn = 0.1;
 /// Of the value: gains below it are not trusted.
 constexpr double kHidden = 1e-10;
+constexpr double kOfTerms = 1e-15;
 /// A bracket this narrow, in shares of the step, ends a search.
 constexpr double kNarrow = 1e-14;
 constexpr int kMaxTrials = 120;
@@ -73,10 +74,14 @@ class LineSearch {
     RETURN_IF_ERROR(moved);
     const Trial trial{t, objective_.value(), -objective_.gradient().dot(direction_),
                       objective_.gradient().norm()};
-    if (trial.value == kInfinity) return Trial{t, kInfinity, kInfinity, kInfinity};
+    const bool finite = objective_.gradient().allFinite();
+    // Far up a gradient overflows before its value does.
+    if (trial.value == kInfinity || (!finite && trial.value > value_)) {
+      return Trial{t, kInfinity, kInfinity, kInfinity};
+    }
     if (trial.value == -kInfinity || t * length_ > kFar) {
       end_ = LineSearchEnd::kUnbounded;
-    } else if (std::isnan(trial.value) || !std::isfinite(trial.norm)) {
+    } else if (std::isnan(trial.value) || !finite) {
       end_ = LineSearchEnd::kNotANumber;
     }
     take(trial);
@@ -94,8 +99,9 @@ class LineSearch {
     return {};
   }
 
-  /// Below this rise a value counts as not risen.
-  double noise() const { return kHidden * std::abs(value_); }
+  /// Below this rise a value counts as not risen: its rounding, and that of terms of size 1 whose
+  /// sum it may be.
+  double noise() const { return kHidden * std::abs(value_) + kOfTerms; }
 
   bool goesDown(const Trial& trial) const {
     if (!trial.inside()) return false;

@@ -45,9 +45,10 @@ struct LineStep {
 /// kFound: the objective is at the end of the step. kStuck: no step goes down; it is anywhere.
 /// kUnbounded: the value falls to -infinity, or goes on falling 1e100 away. kNotANumber: NaN.
 ///
-/// Where the gain is below 1e-10 of the value its rounding may hide it: then a step counts whose
-/// slope has turned by no more than a tenth. Steps to where the value is infinite, or the objective
-/// fails with kNoConvergence, are too long. Fails as moveTo does otherwise. Source: MATH 11.6.
+/// Where the gain is below 1e-10 of the value, or 1e-15, rounding may hide it: then a step counts
+/// whose slope has turned by no more than a tenth. Steps to where the value is infinite, or the
+/// objective fails with kNoConvergence, are too long. Fails as moveTo does otherwise. Source:
+/// MATH 11.6.
 Result<LineStep> searchLine(Context& context, Objective& objective, const Eigen::VectorXd& x,
                             const Eigen::VectorXd& direction, const LineSearchOptions& options);
 

@@ -258,7 +258,7 @@ std::vector<Index> islandsOf(const Connectivity& surface, const std::vector<Inde
 }
 
 Index cutOverlaps(const Connectivity& surface, std::vector<Complex>& points,
-                  std::vector<Index>& corner, double margin) {
+                  std::vector<Index>& corner, double margin, double grid) {
   constexpr auto kAll = std::numeric_limits<std::size_t>::max();
   std::vector<Index> island = islandsOf(surface, corner);
   // Sides that touched may overlap by a rounding error once they are moved: then once more, which
@@ -266,7 +266,7 @@ Index cutOverlaps(const Connectivity& surface, std::vector<Complex>& points,
   for (auto pairs = findOverlaps(points, corner, kAll); !pairs.empty();
        pairs = findOverlaps(points, corner, kAll)) {
     island = IslandGrower(surface, points, corner, pairs).run(island);
-    packIslands(surface, island, margin, points, corner);
+    packIslands(surface, island, margin, points, corner, grid);
   }
   return island.empty() ? 0 : 1 + *std::max_element(island.begin(), island.end());
 }

@@ -33,9 +33,10 @@ std::vector<Index> islandsOf(const Connectivity& surface, const std::vector<Inde
 /// Cuts a layout of faces that are not turned over so that it lies on itself nowhere: islands with
 /// an overlap are grown anew, face by face from the one nearest their middle, up to faces that
 /// would cover one of theirs; what is left out makes further islands. Where that was done (or where
-/// two islands overlap), all islands stand side by side afterwards (packIslands). Nothing moves
-/// where there is no overlap. Returns the number of islands. O(F log F).
+/// two islands overlap), all islands stand side by side afterwards (packIslands, which margin and
+/// grid are for). Nothing moves where there is no overlap. Returns the number of islands. O(F log
+/// F).
 Index cutOverlaps(const Connectivity& surface, std::vector<std::complex<double>>& points,
-                  std::vector<Index>& corner, double margin = kIslandMargin);
+                  std::vector<Index>& corner, double margin = kIslandMargin, double grid = 0);
 
 }  // namespace moduli

@@ -113,7 +113,7 @@ std::vector<Complex> packRectangles(const std::vector<Complex>& sizes, double ga
 }
 
 void packIslands(const Connectivity& surface, const std::vector<Index>& island, double margin,
-                 std::vector<Complex>& points, std::vector<Index>& corner) {
+                 std::vector<Complex>& points, std::vector<Index>& corner, double grid) {
   if (island.empty()) return;
   std::vector<Eigen::AlignedBox2d> boxes(1 + *std::max_element(island.begin(), island.end()));
   double area = 0;
@@ -122,11 +122,19 @@ void packIslands(const Connectivity& surface, const std::vector<Index>& island, 
     boxes[island[Connectivity::faceOf(h)]].extend(Eigen::Vector2d(from.real(), from.imag()));
     area += std::imag(std::conj(from) * to) / 2;
   }
+  double gap = margin * std::sqrt(std::abs(area));
+  if (grid > 0) {
+    gap = grid * std::max(1.0, std::ceil(gap / grid));
+    for (Eigen::AlignedBox2d& box : boxes) {
+      box = {grid * (box.min() / grid).array().floor().matrix(),
+             grid * (box.max() / grid).array().ceil().matrix()};
+    }
+  }
   std::vector<Complex> shifts;
   for (const Eigen::AlignedBox2d& box : boxes) {
     shifts.emplace_back(box.sizes().x(), box.sizes().y());
   }
-  shifts = packRectangles(shifts, margin * std::sqrt(std::abs(area)));
+  shifts = packRectangles(shifts, gap);
   for (std::size_t n = 0; n < boxes.size(); ++n) {
     shifts[n] -= Complex(boxes[n].min().x(), boxes[n].min().y());
   }

@@ -20,8 +20,11 @@ std::vector<std::complex<double>> packRectangles(const std::vector<std::complex<
 
 /// Moves islands, without turning them, so that their bounding boxes lie side by side, `margin`
 /// times the root of the area of all faces apart, and cuts them from one another. island: per face,
-/// from 0 on; what is sewn within an island stays so. O(F + n s).
+/// from 0 on; what is sewn within an island stays so. grid: if above 0, islands are moved by whole
+/// multiples of it, so that its lines go on across the cuts, and lie at least that far apart.
+/// O(F + n s).
 void packIslands(const Connectivity& surface, const std::vector<Index>& island, double margin,
-                 std::vector<std::complex<double>>& points, std::vector<Index>& corner);
+                 std::vector<std::complex<double>>& points, std::vector<Index>& corner,
+                 double grid = 0);
 
 }  // namespace moduli

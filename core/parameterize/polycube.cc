@@ -1,6 +1,8 @@
 #include "core/parameterize/polycube.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -16,6 +18,7 @@ namespace moduli {
 namespace {
 
 constexpr double kQuarter = std::numbers::pi / 2;
+constexpr Index kMostCorners = 48;
 /// Of the turning around handles.
 constexpr double kClosed = 1e-9;
 
@@ -64,7 +67,8 @@ Result<Parameterization> parameterizePolycube(Context& context, const Connectivi
   ConeOptions choice;
   if (options.corners.empty()) {
     choice.spread = options.spread;
-    choice.most = options.most_corners;
+    choice.most = options.most_corners.value_or(
+        std::max(kMostCorners, 5 * std::abs(surface.eulerCharacteristic())));
     choice.quantum = kQuarter;
     choice.most_quanta = 1;
     ASSIGN_OR_RETURN(chosen, chooseCones(context, surface, lengths, choice));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/base/context.h"
@@ -23,7 +24,8 @@ struct PolycubeOptions {
   std::vector<PolycubeCorner> corners;
   /// Of corners that are found: as ConeOptions.
   double spread = 1;
-  Index most_corners = 48;
+  /// Absent: 48, or a quarter more than Gauss and Bonnet ask for, whichever is more.
+  std::optional<Index> most_corners = std::nullopt;
   bool initial_delaunay = true;  ///< As in FlatOptions, like the rest.
   bool refine = true;
   bool cut_overlaps = true;

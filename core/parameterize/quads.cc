@@ -15,8 +15,9 @@
 #include "core/forms/period_matrix.h"
 #include "core/intrinsic/mollify.h"
 #include "core/parameterize/layout.h"
+#include "core/parameterize/overlaps.h"
+#include "core/parameterize/seams.h"
 #include "core/parameterize/torus_lattice.h"
-#include "core/topology/cut_graph.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli {
@@ -117,11 +118,9 @@ class QuadLayout {
   QuadLayout(const Connectivity& surface, const ClosedPeriods& closed, const WholeClasses& classes)
       : surface_(surface), closed_(closed), classes_(classes) {}
 
-  Result<Parameterization> run() {
+  Result<Parameterization> run(const std::vector<double>& lengths, bool cut_overlaps) {
     findForm();
-    ASSIGN_OR_RETURN(const TreeCotree trees, computeTreeCotree(surface_));
-    std::vector<bool> seam(surface_.edgeCount(), false);
-    for (const Index e : cutGraph(surface_, trees)) seam[e] = true;
+    const std::vector<bool> seam = chooseSeams(surface_, seamCosts(surface_, lengths), {}, {});
     const auto lift = liftFaces(surface_, form_.shift, seam);
     if (!lift) return Status(Reason::kInternal, "a surface cut along its cut graph is no disk");
     std::vector<Complex> placed(surface_.halfedgeCount());
@@ -134,6 +133,8 @@ class QuadLayout {
     Parameterization result;
     result.points = std::move(layout.points);
     result.corner = std::move(layout.corner);
+    result.certificate.islands =
+        cut_overlaps ? cutOverlaps(surface_, result.points, result.corner, kIslandMargin, 1) : 1;
     result.certificate.holonomy_residual = periodResidual(result);
     QuadDomain& quads = result.quads.emplace();
     quads.zeros = zerosOfForm(surface_, realParts());
@@ -212,7 +213,9 @@ Result<Parameterization> parameterizeQuads(Context& context, const Connectivity&
                   "allow more squares");
   }
   const Context::Stage stage(context, "layout");
-  ASSIGN_OR_RETURN(Parameterization result, QuadLayout(surface, closed, *classes).run());
+  ASSIGN_OR_RETURN(
+      Parameterization result,
+      QuadLayout(surface, closed, *classes).run(mollified.lengths, options.cut_overlaps));
   result.certificate.quality =
       measurePlaneMap(surface, mollified.lengths, result.points, result.corner);
   result.certificate.mollification = mollified.relative_shift;

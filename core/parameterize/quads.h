@@ -14,6 +14,8 @@ struct QuadOptions {
   /// The image covers the unit squares of the plane about so many times altogether, or fewer: more
   /// allow periods that are nearer to those of a holomorphic form.
   double most_squares = 2000;
+  /// Cut the image further where it lies on itself, into islands that are whole numbers apart.
+  bool cut_overlaps = true;
 };
 
 /// Integrates a closed form a + i b with Gaussian integers as periods over a closed connected
@@ -26,7 +28,7 @@ struct QuadOptions {
 ///
 /// Holomorphic forms of genus >= 2 have 2 g - 2 zeros, around which the image covers the plane
 /// twice; faces that hold one are turned over (certificate.quality.flipped_faces), and the image
-/// lies on itself. lengths: per edge, positive up to rounding. Fails with kUnsupportedTopology
+/// would lie on itself. lengths: per edge, positive up to rounding. Fails with kUnsupportedTopology
 /// (other surfaces), kInvalidOption (no form within most_squares with a misfit below one half), and
 /// as computePeriods does. Stages as computePeriods, "layout". Source: MATH 10; Kaelberer, Nieser,
 /// Polthier 2007 (rounding of periods).

@@ -1,5 +1,7 @@
 #include "core/ricci/minimize_curvature.h"
 
+#include <cmath>
+#include <cstddef>
 #include <string>
 
 #include "core/base/text.h"
@@ -12,6 +14,9 @@ namespace {
 
 /// L-BFGS steps that cost about one of Newton's, and more.
 constexpr int kCheapSteps = 100;
+/// Where the value no longer changes, gradients of L-BFGS rise and fall for longer than a minimizer
+/// waits: then it goes on from where it is.
+constexpr int kMaxRounds = 50;
 
 Result<RicciSolution> flowTo(Context& context, CurvatureModel& model, const Eigen::VectorXd& target,
                              const Eigen::VectorXd& start, const NewtonOptions& options) {
@@ -24,24 +29,39 @@ Result<RicciSolution> flowTo(Context& context, CurvatureModel& model, const Eige
   return solution;
 }
 
+MinimizeOptions optionsFor(MinimizeMethod method, const NewtonOptions& options,
+                           Eigen::Index dimension) {
+  MinimizeOptions result;
+  result.method = method;
+  // Below it the root mean square of the residuals is below the tolerance of the largest.
+  result.gradient_tolerance = options.tolerance * std::sqrt(static_cast<double>(dimension));
+  result.max_iterations =
+      options.max_iterations * (method == MinimizeMethod::kLbfgs ? kCheapSteps : 1);
+  return result;
+}
+
 Result<RicciSolution> minimizeTo(Context& context, CurvatureModel& model,
                                  const Eigen::VectorXd& target, const Eigen::VectorXd& start,
                                  const NewtonOptions& options, MinimizeMethod method) {
   RicciObjective objective(model, target, start, options.fixed);
   if (objective.dimension() == 0) return RicciSolution{start, {0}};
-  MinimizeOptions how;
-  how.method = method;
-  // Of the largest entry, and so of the norm.
-  how.gradient_tolerance = options.tolerance;
-  how.max_iterations =
-      options.max_iterations * (method == MinimizeMethod::kLbfgs ? kCheapSteps : 1);
-  how.affine.inverse = [](Context& inner, SpdSolver& solver, const SparseMatrix& pattern) {
-    return solver.inverseOnPattern(inner, pattern);
-  };
-  ASSIGN_OR_RETURN(const Minimum minimum, minimize(context, objective, objective.start(), how));
+  MinimizeOptions how = optionsFor(method, options, objective.dimension());
   RicciSolution solution;
+  Minimum minimum;
+  minimum.x = objective.start();
+  for (int round = 0; round < kMaxRounds; ++round) {
+    ASSIGN_OR_RETURN(minimum, minimize(context, objective, minimum.x, how));
+    const std::size_t known = solution.residuals.empty() ? 0 : 1;
+    for (std::size_t n = known; n < minimum.trace.size(); ++n) {
+      solution.residuals.push_back(minimum.trace[n].gradient_norm);
+    }
+    how.max_iterations -= minimum.iterations;
+    const bool small = objective.gradient().cwiseAbs().maxCoeff() <= options.acceptable;
+    const bool stopped =
+        minimum.reason == StopReason::kConverged || minimum.reason == StopReason::kLineSearchStuck;
+    if (small || !stopped || minimum.iterations == 0) break;
+  }
   solution.u = objective.unknowns(minimum.x);
-  for (const MinimizeStep& step : minimum.trace) solution.residuals.push_back(step.gradient_norm);
   solution.residuals.back() = objective.gradient().cwiseAbs().maxCoeff();
   if (solution.residual() <= options.acceptable) return solution;
   return Status{Reason::kNoConvergence,

@@ -17,8 +17,9 @@ namespace moduli {
 /// kAffineNormal and kLbfgs minimize the Ricci energy
 /// (ricci_objective.h, core/optimize/minimize.h), the former with third derivatives and a selected
 /// inversion of the Hessian in each step; their residuals are Euclidean norms of K - target up to
-/// the last one, which is the largest entry as everywhere. They relax no vertices, and count u from
-/// 0 to the end: where faces degenerate on the way, Newton's method goes further.
+/// the last one, which is the largest entry as everywhere, and options.tolerance is of the root
+/// mean square. They relax no vertices, and count u from 0 to the end: where faces degenerate on
+/// the way, Newton's method goes further.
 ///
 /// Fails as these do, with kNoConvergence where the residual stays above options.acceptable; that
 /// L-BFGS takes some hundred steps on a mesh of thousands of faces is to be expected: it is given

@@ -31,9 +31,6 @@ MinimizeOptions fromProto(const v1::MinimizeOptions& message) {
   options.line_search = shifted(message.line_search(), options.line_search);
   if (message.has_tolerance()) options.gradient_tolerance = message.tolerance();
   if (message.has_max_iterations()) options.max_iterations = message.max_iterations();
-  options.affine.inverse = [](Context& context, SpdSolver& solver, const SparseMatrix& pattern) {
-    return solver.inverseOnPattern(context, pattern);
-  };
   return options;
 }
 

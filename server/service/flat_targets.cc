@@ -205,6 +205,7 @@ Result<Parameterization> mapToPlane(Context& context, const Options& message,
       return mapAtlas(context, message, subject);
     case Options::QUADS: {
       QuadOptions options;
+      options.cut_overlaps = cutsOverlaps(message);
       if (message.has_most_squares()) options.most_squares = message.most_squares();
       return parameterizeQuads(context, subject.surface(), subject.lengths, options);
     }

@@ -172,9 +172,10 @@ Refusal checkTarget(const v1::ParameterizationOptions& options, const std::strin
     if (!options.cones().empty()) return refuse("cones are", "FLAT and POLYCUBE maps", "cones");
     if (options.has_cone_choice())
       return refuse("the choice of cones is that", "FLAT and POLYCUBE maps", "cone_choice");
-    if (options.has_cut_overlaps())
-      return refuse("cuts where it lies on itself are those", "FLAT and POLYCUBE maps",
-                    "cut_overlaps");
+  }
+  if (!has_cones && options.target() != Options::QUADS && options.has_cut_overlaps()) {
+    return refuse("cuts where it lies on itself are those", "FLAT, POLYCUBE and QUADS maps",
+                  "cut_overlaps");
   }
   if (options.target() != Options::FLAT) {
     if (options.boundary() != 0)

@@ -26,9 +26,6 @@
 #include "core/intrinsic/mollify.h"
 #include "core/mesh/prepare.h"
 #include "core/mesh/read.h"
-#include "core/parameterize/circle_domain.h"
-#include "core/parameterize/disk.h"
-#include "core/parameterize/sphere.h"
 #include "core/retrieval/vector_index.h"
 #include "core/ricci/punctured_sphere.h"
 #include "core/ricci/uniformize.h"
@@ -36,6 +33,7 @@
 #include "core/topology/surface_topology.h"
 #include "tests/bench/case.h"
 #include "tests/bench/hyperbolic_bench.h"
+#include "tests/bench/map_bench.h"
 #include "tests/bench/matching_bench.h"
 #include "tests/bench/ricci_bench.h"
 
@@ -175,68 +173,6 @@ void benchUniformize(benchmark::State& state, const std::shared_ptr<Case>& mesh)
   state.counters["residual"] = certificate.curvature_residual;
   state.counters["faces"] = surface.faceCount();
   state.counters["chi"] = surface.eulerCharacteristic();
-}
-
-/// A map of a surface of genus 0: its cost, what it keeps of angles, and how it was found.
-void benchMap(benchmark::State& state, const std::shared_ptr<Case>& mesh,
-              const std::function<Result<Parameterization>(
-                  Context&, const Connectivity&, const std::vector<double>&,
-                  const std::vector<Eigen::Vector3d>&)>& map) {
-  const Connectivity& surface = mesh->prepared.mesh.connectivity();
-  std::map<std::string, double> stages;
-  MapCertificate certificate;
-  Index added = 0;
-  runTimed(state, *mesh, [&]() -> Status {
-    Context context;
-    ASSIGN_OR_RETURN(
-        const Parameterization found,
-        map(context, surface, mesh->prepared.mesh.edgeLengths(), mesh->prepared.mesh.positions()));
-    certificate = found.certificate;
-    if (found.subdivision) {
-      added = static_cast<Index>(found.subdivision->faces.size()) - surface.faceCount();
-    }
-    for (const auto& [stage, seconds] : context.timing()) stages[stage] += seconds;
-    return {};
-  });
-  for (const auto& [stage, seconds] : stages) count(state, stage, seconds, *mesh);
-  state.counters["K"] = certificate.quality.mean_dilatation;
-  state.counters["folds"] = certificate.quality.flipped_faces;
-  state.counters["added"] = added;
-  state.counters["steps"] = certificate.newton_iterations.value_or(0);
-  state.counters["faces"] = surface.faceCount();
-}
-
-template <typename Options>
-Options withMethod(MapMethod method) {
-  Options options;
-  options.method = method;
-  return options;
-}
-
-/// sphere/robust/..., disk/linear/... and so on: what the surface has.
-void registerMaps(const std::shared_ptr<Case>& mesh) {
-  const auto add = [&](const std::string& name, const auto& map) {
-    registerTimed(name, mesh, [=](benchmark::State& state) { benchMap(state, mesh, map); });
-  };
-  const SurfaceTopology topology = computeTopology(mesh->prepared.mesh.connectivity());
-  if (topology.genus != 0 || topology.components != 1) return;
-  const std::size_t loops = topology.boundary_loops.size();
-  for (const MapMethod method : {MapMethod::kRobust, MapMethod::kLinear, MapMethod::kHeatFlow}) {
-    if (loops == 0) {
-      add("sphere/" + methodName(method), [=](Context& context, const auto&... surface) {
-        return parameterizeSphere(context, surface..., withMethod<SphereOptions>(method));
-      });
-    } else if (loops == 1) {
-      add("disk/" + methodName(method), [=](Context& context, const auto&... surface) {
-        return parameterizeDisk(context, surface..., withMethod<DiskOptions>(method));
-      });
-    }
-  }
-  if (loops > 1) {
-    add("circles", [](Context& context, const auto&... surface) {
-      return parameterizeCircleDomain(context, surface...);
-    });
-  }
 }
 
 void registerMesh(const std::shared_ptr<Case>& mesh) {

@@ -65,9 +65,6 @@ void benchAffineStep(benchmark::State& state, const std::shared_ptr<Case>& mesh)
   RicciObjective energy(*model, zero, zero);
   TimedObjective objective(energy);
   AffineNormalOptions options;
-  options.inverse = [](Context& context, SpdSolver& solver, const SparseMatrix& pattern) {
-    return solver.inverseOnPattern(context, pattern);
-  };
   HessianFactor factor;
   std::map<std::string, double> stages;
   bool odd = false;

@@ -49,6 +49,8 @@ show() { # show TITLE PICTURE SENTENCE COMMAND...: runs moduli COMMAND --picture
   printed=$("$moduli" "$@" --picture "$out/$picture")
   printf '%s\n' "$printed"
   {
+    # Titles on the terminal are numbered steps.
+    title=${title#*. }
     printf '<section id="%s">\n<h2>%s</h2>\n' "${picture%.*}" "$(printf '%s' "$title" | escaped)"
     printf '<p>%s</p>\n' "$(printf '%s' "$sentence" | escaped)"
     printf '<a href="%s"><img src="%s" alt="%s" loading="lazy"></a>\n' "$picture" "$picture" \
@@ -125,20 +127,26 @@ show "15. To the plane, with cones" map-flat.png \
 show "16. How much longer lengths become" map-scale.png \
   "The same map by its scale." \
   parameterize "$out/meshes/spheres/spheroid-2.ply" --to flat --cones auto --seamless --draw scale
-show "17. As a surface of cubes" map-polycube.png \
+show "17. How far faces are from keeping their angles" map-dilatation.png \
+  "The same map by its dilatation: 1 where a small circle stays one." \
+  parameterize "$out/meshes/spheres/spheroid-2.ply" --to flat --cones auto --seamless --draw dilatation
+show "18. Islands and seams" map-layout.png \
+  "The same map by its seams: both sides of one have its colour." \
+  parameterize "$out/meshes/spheres/spheroid-2.ply" --to flat --cones auto --seamless --draw layout
+show "19. As a surface of cubes" map-polycube.png \
   "Flat but for corners of a quarter turn: convex ones magenta, concave ones teal." \
   parameterize "$out/meshes/spheres/capsule-1.5.ply" --to polycube -o "$out/polycube.obj"
-show "18. An affine atlas" map-atlas.png \
+show "20. An affine atlas" map-atlas.png \
   "Flat but for one extraordinary point; every other vertex has a chart, and charts change by motions." \
   parameterize "$out/meshes/pretzels/genus-2.ply" --to atlas --atlas "$out/atlas.json" -o "$out/atlas.obj"
-show "19. Squares from a form with whole periods" map-quads.png \
+show "21. Squares from a form with whole periods" map-quads.png \
   "The lines of the unit squares go on across every cut." \
   parameterize "$out/meshes/tori/torus-2.ply" --to quads --most-squares 600 -o "$out/quads.obj"
-show "20. In the Poincaré disk" map-disk.png \
+show "22. In the Poincaré disk" map-disk.png \
   "A surface with two handles, by its metric of curvature -1, with its shortest closed geodesics." \
   parameterize "$out/meshes/pretzels/genus-2.ply" --to hyperbolic -o "$out/disk.obj"
 
-show "21. Where is each point of a surface on another one?" match-ellipsoids.png \
+show "23. Where is each point of a surface on another one?" match-ellipsoids.png \
   "Two triangulations of one ellipsoid; what corresponds has one colour." \
   match "$out/meshes/spheres/ellipsoid.ply" "$out/meshes/spheres/ellipsoid-remeshed.ply" \
   -o "$out/map.csv"

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "core/optimize/changed_objective.h"
-#include "core/optimize/slice_centroid.h"
 #include "core/optimize/third_trace.h"
 #include "tests/core/optimize/functions.h"
 #include "tests/core/testing.h"
@@ -197,27 +196,6 @@ TEST(AffineNormal, IsTheSameByEveryFormAndEverySourceOfThirdDerivatives) {
   }
 }
 
-TEST(AffineNormal, IsTheLimitOfCentroidsOfThinSlices) {
-  for (const Eigen::Index n : {2, 3, 4}) {
-    const NamedObjective f = named("exp-sum", n);
-    const Eigen::VectorXd x = 0.5 * f.start;
-    const Eigen::VectorXd d = unit(*f.objective, x, by(AffineForm::kInverse));
-    Context context;
-    std::vector<double> errors;
-    for (const double depth : {1e-1, 1e-2, 1e-3, 1e-4}) {
-      const auto slice = sliceCentroid(context, *f.objective, x, depth);
-      ASSERT_OK(slice);
-      errors.push_back((*slice - d).norm());
-    }
-    for (std::size_t k = 1; k < errors.size(); ++k) {
-      // First order: ratio 10 but for the second order term, of about the depth itself times 10,
-      // and for the rounding of r, 1e-13, over the depth: 1e-9 of 1e-5.
-      const double depth = std::pow(10.0, -static_cast<double>(k));
-      EXPECT_NEAR(errors[k - 1] / errors[k], 10, 10 * 3 * depth) << n << " unknowns, row " << k;
-    }
-  }
-}
-
 TEST(AffineNormal, DecreasesAsNewtonDoesWhateverTheThirdDerivativesAre) {
   for (const Eigen::Index n : {2, 5, 30}) {
     for (const std::uint64_t seed : {1, 2, 3}) {
@@ -378,29 +356,6 @@ TEST(AffineNormal, OfOneUnknownIsTheNewtonStep) {
   EXPECT_NEAR(normal->direction[0], newton, 1e-15 * std::abs(newton));
 }
 
-TEST(AffineNormal, TakesTheInverseOnThePatternFromWhoeverHasIt) {
-  const NamedObjective f = named("rosenbrock", 6);
-  const Eigen::VectorXd x = Eigen::VectorXd::Constant(6, 1.1);
-  Context context;
-  const auto plain = affineNormal(context, *f.objective, x);
-  int calls = 0;
-  AffineNormalOptions options;
-  options.inverse = [&](Context& c, SpdSolver& solver, const SparseMatrix& pattern) {
-    ++calls;
-    EXPECT_EQ(pattern.nonZeros(), 11);  // Tridiagonal.
-    return inverseByColumns(c, solver, pattern);
-  };
-  const auto given = affineNormal(context, *f.objective, x, options);
-  ASSERT_OK(plain);
-  ASSERT_OK(given);
-  EXPECT_EQ(calls, 1);
-  EXPECT_EQ(plain->direction, given->direction);
-  options.inverse = [](Context&, SpdSolver&, const SparseMatrix&) -> Result<SparseMatrix> {
-    return Status{Reason::kMeshTooLarge, "no room"};
-  };
-  EXPECT_THAT(affineNormal(context, *f.objective, x, options), FailsWith(Reason::kMeshTooLarge));
-}
-
 TEST(AffineNormal, LeavesTheObjectiveWhereItWasAsked) {
   const NamedObjective f = named("exp-sum", 4);
   Context context;
@@ -486,17 +441,6 @@ TEST(AffineNormal, StopsWhenCancelled) {
       affineNormal(context, wrapped, f.start, by(AffineForm::kInverse, ThirdSource::kEigenColumns)),
       FailsWith(Reason::kCancelled));
   EXPECT_LE(moves, 6);
-}
-
-TEST(SliceCentroid, RefusesWhatItCannotSlice) {
-  const NamedObjective f = named("exp-sum", 5);
-  NamedObjective g = named("exp-sum", 3);
-  Context context;
-  EXPECT_THAT(sliceCentroid(context, *f.objective, f.start, 0.1),
-              FailsWith(Reason::kInvalidOption));
-  EXPECT_THAT(sliceCentroid(context, *g.objective, g.start, 0), FailsWith(Reason::kInvalidOption));
-  EXPECT_THAT(sliceCentroid(context, *g.objective, g.start, 1e3),
-              FailsWith(Reason::kNoConvergence));
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ TEST(HessianFactor, SolvesAndInvertsOnThePattern) {
   ASSERT_OK(solution);
   // The condition is below 1e5.
   EXPECT_LE((*solution - inverse * b).norm(), 1e-10 * solution->norm());
-  const auto entries = factor.inverse(context, {});
+  const auto entries = factor.inverse(context);
   ASSERT_OK(entries);
   EXPECT_EQ(entries->nonZeros(), 199);
   const Eigen::MatrixXd expected = denseOf(onPattern(inverse, f.objective->hessian()));
@@ -82,7 +82,7 @@ TEST(HessianFactor, FixesOneUnknownWhereConstantsChangeNothing) {
   EXPECT_EQ((*p)[factor.fixed()], 0);
   // It solves the whole system, for the gradient sums to 0.
   EXPECT_LE((denseOf(ring.hessian()) * *p - ring.gradient()).norm(), 1e-13);
-  const auto inverse = factor.inverse(context, {});
+  const auto inverse = factor.inverse(context);
   ASSERT_OK(inverse);
   EXPECT_EQ(denseOf(*inverse).row(factor.fixed()).cwiseAbs().maxCoeff(), 0);
 }
@@ -92,7 +92,7 @@ TEST(HessianFactor, RefusesEntriesThatAreNoNumbersAndUseBeforeFactorizing) {
   Context context;
   HessianFactor factor;
   EXPECT_THAT(factor.solve(context, Eigen::Vector2d(1, 1)), FailsWith(Reason::kInvalidOption));
-  EXPECT_THAT(factor.inverse(context, {}), FailsWith(Reason::kInvalidOption));
+  EXPECT_THAT(factor.inverse(context), FailsWith(Reason::kInvalidOption));
   EXPECT_THAT(factor.factorize(context, broken, Indefinite::kShift),
               FailsWith(Reason::kNotPositiveDefinite));
 }

@@ -157,6 +157,24 @@ TEST(LbfgsMemory, ReproducesTheStepOfTheLastChange) {
   }
 }
 
+TEST(LbfgsMemory, IsTheDenseRecursionOfItsPairs) {
+  // H' = (1 - s y^T / s.y) H (1 - y s^T / s.y) + s s^T / s.y, from the last s.y / y.y.
+  const Eigen::MatrixXd A = randomMap(5, 2) * randomMap(5, 2).transpose();
+  const Eigen::MatrixXd S = NormalDeviates(3).matrix(5, 3), Y = A * S;
+  LbfgsMemory memory(3);
+  Eigen::MatrixXd H =
+      Eigen::MatrixXd::Identity(5, 5) * S.col(2).dot(Y.col(2)) / Y.col(2).squaredNorm();
+  for (int k = 0; k < 3; ++k) {
+    memory.add(S.col(k), Y.col(k));
+    const double curvature = S.col(k).dot(Y.col(k));
+    const Eigen::MatrixXd left =
+        Eigen::MatrixXd::Identity(5, 5) - S.col(k) * Y.col(k).transpose() / curvature;
+    H = (left * H * left.transpose() + S.col(k) * S.col(k).transpose() / curvature).eval();
+  }
+  const Eigen::VectorXd g = NormalDeviates(4).vector(5);
+  EXPECT_LE((memory.apply(g) - H * g).norm(), 1e-13 * g.norm());
+}
+
 TEST(LbfgsMemory, IsTheInverseOfAQuadraticAfterConjugateSteps) {
   LbfgsMemory memory(4);
   const Eigen::Vector4d values(1, 5, 30, 200);

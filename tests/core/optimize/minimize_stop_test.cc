@@ -58,6 +58,24 @@ TEST(MinimizeStop, AtAMinimumWithoutCurvature) {
   expectReason(quartic, Eigen::Vector3d(0, 0, 0), StopReason::kConverged);
 }
 
+TEST(MinimizeStop, WhereOnlyRoundingIsLeftAndNoToleranceWasGiven) {
+  // At 0 the size of the point tells nothing of the rounding of the gradient.
+  Eigen::MatrixXd a = NormalDeviates(5).matrix(3, 12);
+  a.colwise() -= a.rowwise().mean().eval();
+  LogSumExp centered(a, Eigen::VectorXd::Zero(12)), shifted(a, NormalDeviates(6).vector(12));
+  MinimizeOptions options;
+  options.gradient_tolerance = 0;
+  for (const MinimizeMethod method :
+       {MinimizeMethod::kAffineNormal, MinimizeMethod::kNewton, MinimizeMethod::kLbfgs}) {
+    options.method = method;
+    for (LogSumExp* f : {&centered, &shifted}) {
+      const Minimum found = run(*f, Eigen::Vector3d(.3, -.2, .1), options);
+      EXPECT_EQ(stopReasonName(found.reason), "converged") << methodName(method);
+      EXPECT_LE(found.gradient_norm, 1e-14) << methodName(method);
+    }
+  }
+}
+
 TEST(MinimizeStop, AfterTheMostIterationsAllowed) {
   const NamedObjective f = named("rosenbrock", 4);
   MinimizeOptions options;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <set>
+#include <utility>
 
 #include "core/parameterize/flat.h"
 #include "core/parameterize/overlaps.h"
@@ -107,6 +109,22 @@ TEST(PackIslands, KeepsShapesAndCutsNoMoreThanBetweenIslands) {
   const auto low = [&](int n) { return Complex(boxes[n].min().x(), boxes[n].min().y()); };
   const auto size = [&](int n) { return Complex(boxes[n].sizes().x(), boxes[n].sizes().y()); };
   EXPECT_NEAR(distance(low(0), size(0), low(1), size(1)), 0.05 * std::sqrt(24), 1e-12);
+  // By multiples of a grid, all parts of an island by the same one.
+  std::vector<Complex> on_grid = flat->points;
+  std::vector<Index> grid_corner = flat->corner;
+  packIslands(metric.surface, island, 0.05, on_grid, grid_corner, 0.5);
+  EXPECT_EQ(countOverlaps(on_grid, grid_corner), 0);
+  std::array<std::set<std::pair<double, double>>, 2> shifts;
+  for (Index h = 0; h < metric.surface.halfedgeCount(); ++h) {
+    const Complex steps = (on_grid[grid_corner[h]] - flat->points[flat->corner[h]]) / 0.5;
+    EXPECT_NEAR(steps.real(), std::round(steps.real()), 1e-12);
+    EXPECT_NEAR(steps.imag(), std::round(steps.imag()), 1e-12);
+    shifts[island[Connectivity::faceOf(h)]].insert(
+        {std::round(steps.real()), std::round(steps.imag())});
+  }
+  EXPECT_EQ(shifts[0].size(), 1U);
+  EXPECT_EQ(shifts[1].size(), 1U);
+  EXPECT_NE(shifts[0], shifts[1]);
 }
 
 }  // namespace

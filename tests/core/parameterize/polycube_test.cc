@@ -171,6 +171,15 @@ TEST(ParameterizePolycube, SaysWhichTheoremForbidsIt) {
   EXPECT_THAT(mapped(plate(3, 3, {})), FailsWith(Reason::kUnsupportedTopology));
 }
 
+TEST(ParameterizePolycube, TakesAsManyCornersAsATheoremAsksFor) {
+  // Genus 14: 104 concave corners more than convex ones.
+  const MetricSurface holes = planeSample("genus", {{"genus", 14}, {"resolution", 2}});
+  const auto map = mapped(holes);
+  ASSERT_OK(map);
+  EXPECT_GE(map->cones->cones.size(), 104U);
+  EXPECT_EQ(map->certificate.quality.flipped_faces, 0);
+}
+
 class PolycubeMesh : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Meshes, PolycubeMesh,
                          testing::Values("closed_g0/alec__spot.obj", "closed_g0/cfwen__sphere.off",

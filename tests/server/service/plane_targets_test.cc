@@ -154,6 +154,7 @@ TEST_F(PlaneTargetsTest, WrongRequestsNameTheirField) {
   options.set_most_squares(0);
   EXPECT_THAT(detailsOf(request), HasSubstr("options.most_squares"));
   options.clear_most_squares();
+  options.set_target(Options::TORUS);
   options.set_cut_overlaps(true);
   EXPECT_THAT(detailsOf(request), HasSubstr("options.cut_overlaps"));
   options.clear_cut_overlaps();
