@@ -70,7 +70,7 @@ void putEntries(const Eigen::VectorXd& entries, google::protobuf::RepeatedField<
 
 Result<AffineNormal> normalAt(Context& context, Objective& objective, const Eigen::VectorXd& x) {
   const Context::Stage stage(context, "direction");
-  AffineNormalOptions options = fromProto(v1::MinimizeOptions()).affine;
+  AffineNormalOptions options;
   Result<AffineNormal> normal = affineNormal(context, objective, x, options);
   const bool indefinite = normal.status().reason() == Reason::kNotPositiveDefinite;
   if (!indefinite || objective.dimension() > kMostDense) return normal;

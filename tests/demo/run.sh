@@ -152,7 +152,7 @@ show "23. Where is each point of a surface on another one?" match-ellipsoids.png
   -o "$out/map.csv"
 head -4 "$out/map.csv"
 
-show "22. Down the valley along affine normals" minimize-rosenbrock.png \
+show "24. Down the valley along affine normals" minimize-rosenbrock.png \
   "Rosenbrock's function: level sets, their affine normals, and the path to the minimum at (1, 1)." \
   minimize rosenbrock --start -1.2,1 --trace "$out/rosenbrock.csv"
 printf '</body>\n</html>\n' >>"$gallery"
