@@ -299,7 +299,8 @@ std::vector<OptionSpec> parameterizeOptions() {
        .choices = {"vertex-scaling", "thurston", "tangential", "inversive-distance"}},
       {.names = "--solver",
        .value = "SOLVER",
-       .help = "How the metric is found (newton)",
+       .help = "How the metric is found (newton): by Newton's method, along affine normals of its "
+               "energy, by limited-memory BFGS, or by the Ricci flow itself",
        .choices = {"newton", "affine-normal", "lbfgs", "flow"}},
       initialDelaunayOption()};
   std::vector<OptionSpec> files = parameterizeFileOptions();

@@ -1,15 +1,20 @@
 #include "core/ricci/uniformization_energy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
 #include <utility>
 
+#include "core/base/text.h"
 #include "core/intrinsic/geometry.h"
 #include "core/ricci/mirror_symmetry.h"
 
 namespace moduli {
 namespace {
+
+/// Logarithm of how many times as large as its neighbour a circle may be.
+constexpr double kSteep = 6.9;
 
 bool isBordered(const Connectivity& surface) {
   for (Index v = 0; v < surface.vertexCount(); ++v) {
@@ -73,6 +78,30 @@ Status UniformizationEnergy::packCircles(const std::vector<double>& lengths, Sch
   start_ = circles_->initial();
   objective_.emplace(*circles_, Eigen::VectorXd::Zero(surface_.vertexCount()), start_);
   return {};
+}
+
+std::vector<std::string> UniformizationEnergy::remarks(const Eigen::VectorXd& u) const {
+  std::vector<std::string> remarks;
+  if (!circles_) return remarks;
+  if (const double share = circles_->clampedFraction().value_or(0); share > 0) {
+    remarks.push_back("CLAMPED: the circles of " + shortestDouble(std::round(1000 * share) / 10) +
+                      " % of the edges did not meet, or met beyond a right angle");
+  }
+  if (circles_->brokenFaces() > 0) {
+    remarks.push_back("BROKEN_FACES: " + std::to_string(circles_->brokenFaces()) +
+                      " faces are no proper triangles");
+  }
+  double steepest = 0;
+  for (Index h = 0; h < surface_.halfedgeCount(); ++h) {
+    steepest = std::max(steepest, std::abs(u[surface_.tail(h)] - u[surface_.head(h)]));
+  }
+  if (steepest > kSteep) {
+    remarks.push_back("SHRINKING_CIRCLES: one is e^" +
+                      shortestDouble(std::round(10 * steepest) / 10) +
+                      " times as small as one beside it; there may be no packing on these "
+                      "triangles");
+  }
+  return remarks;
 }
 
 Result<std::unique_ptr<UniformizationEnergy>> UniformizationEnergy::make(

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/context.h"
@@ -49,6 +50,12 @@ class UniformizationEnergy {
   RicciObjective& objective() { return *objective_; }
   /// Per vertex. Scaled to about the area of the minimizer in H2.
   const Eigen::VectorXd& start() const { return start_; }
+
+  /// Of circle packings at u, where the objective is: "CLAMPED: ..." (the given metric is not the
+  /// one that is packed), "BROKEN_FACES: ..." (no proper triangles), "SHRINKING_CIRCLES: ..." (a
+  /// thousand times as small as one beside: where there is no packing, circles shrink for ever and
+  /// gradients vanish at infinity). O(F).
+  std::vector<std::string> remarks(const Eigen::VectorXd& u) const;
 
  private:
   explicit UniformizationEnergy(const Connectivity& surface) : surface_(surface) {}

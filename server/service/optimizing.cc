@@ -69,7 +69,8 @@ void putEntries(const Eigen::VectorXd& entries, google::protobuf::RepeatedField<
 }
 
 Result<AffineNormal> normalAt(Context& context, Objective& objective, const Eigen::VectorXd& x) {
-  AffineNormalOptions options = fromProto(v1::MinimizeOptions()).affine;
+  const Context::Stage stage(context, "direction");
+  AffineNormalOptions options;
   Result<AffineNormal> normal = affineNormal(context, objective, x, options);
   const bool indefinite = normal.status().reason() == Reason::kNotPositiveDefinite;
   if (!indefinite || objective.dimension() > kMostDense) return normal;
@@ -77,14 +78,25 @@ Result<AffineNormal> normalAt(Context& context, Objective& objective, const Eige
   return affineNormal(context, objective, x, options);
 }
 
+template <typename Message>
+void addRemarks(const Context& context, const Function& function, const Eigen::VectorXd& x,
+                Message& message) {
+  message.mutable_warnings()->Add(function.warnings.begin(), function.warnings.end());
+  if (function.energy) {
+    const std::vector<std::string> remarks = function.energy->remarks(x);
+    message.mutable_warnings()->Add(remarks.begin(), remarks.end());
+  }
+  message.mutable_timing()->insert(context.timing().begin(), context.timing().end());
+}
+
 Result<Optimized> direct(Context& context, const Function& function, const Eigen::VectorXd& x) {
-  const Context::Stage stage(context, "direction");
   ASSIGN_OR_RETURN(const AffineNormal normal, normalAt(context, function.objective(), x));
   Optimized result;
   v1::AffineDirection& message = result.direction.emplace();
   putEntries(normal.direction, *message.mutable_direction(), result.entries);
   message.set_decrease(normal.decrease);
   message.set_convex(normal.convex);
+  addRemarks(context, function, x, message);
   return result;
 }
 
@@ -109,13 +121,8 @@ Result<Optimized> walk(Context& context, const Function& function,
     }
   }
   for (const Eigen::VectorXd& point : minimum.path) result.path.push_back({point[0], point[1]});
+  addRemarks(context, function, minimum.x, result.minimization);
   return result;
-}
-
-template <typename Message>
-void addRemarks(const Context& context, const Function& function, Message& message) {
-  message.mutable_warnings()->Add(function.warnings.begin(), function.warnings.end());
-  message.mutable_timing()->insert(context.timing().begin(), context.timing().end());
 }
 
 /// Hands out the messages of a minimization one after the other.
@@ -167,14 +174,8 @@ class Parts {
 Result<Optimized> optimizeFunction(Context& context, const Backend& backend,
                                    const v1::MinimizeRequest& request) {
   ASSIGN_OR_RETURN(const Function function, functionOf(context, backend, request));
-  if (!request.direction_at().empty()) {
-    ASSIGN_OR_RETURN(Optimized result, direct(context, function, vectorOf(request.direction_at())));
-    addRemarks(context, function, *result.direction);
-    return result;
-  }
-  ASSIGN_OR_RETURN(Optimized result, walk(context, function, request));
-  addRemarks(context, function, result.minimization);
-  return result;
+  if (request.direction_at().empty()) return walk(context, function, request);
+  return direct(context, function, vectorOf(request.direction_at()));
 }
 
 std::function<std::optional<v1::MinimizeResponse>()> optimizationParts(

@@ -101,6 +101,11 @@ TEST_F(MinimizeCli, TheTraceHasARowForTheStartAndForEachIteration) {
   ASSERT_EQ(static_cast<double>(rows.size()), result["iterations"].number() + 1);
   EXPECT_NEAR(rows.front()[1], 24.2, 1e-12);
   EXPECT_EQ(rows.front()[3], 0);
+  // The first step is the natural one; g.d = g.H^{-1} g with g = (-215.6, -88) and
+  // H = [[1330, 480], [480, 200]].
+  EXPECT_EQ(rows[1][3], 1);
+  EXPECT_NEAR(rows[1][4], 1382304.0 / 35600, 1e-11);
+  EXPECT_EQ(rows.back()[5], result["evaluations"].number());
   EXPECT_EQ(rows.back()[1], result["value"].number());
   EXPECT_EQ(rows.back()[2], result["gradient_norm"].number());
   for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(rows[i][0], static_cast<double>(i));

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/mesh/prepare.h"
+#include "core/mesh/read.h"
 #include "core/mesh/samples.h"
 #include "core/optimize/minimize.h"
 #include "core/ricci/uniformize.h"
@@ -16,6 +18,9 @@
 /// finds, doubles, and other units of length.
 namespace moduli {
 namespace {
+
+using testing::ElementsAre;
+using testing::StartsWith;
 
 /// Of minimizers: gradients of 1e-10 over least eigenvalues of some hundredths.
 constexpr double kTolerance = 1e-8;
@@ -93,6 +98,60 @@ TEST(UniformizationEnergy, KnowsNoUnitOfLength) {
       expectSame(minimizer(metric, scheme), minimizer(scale(metric, 700), scheme));
     }
   }
+}
+
+TEST(UniformizationEnergy, TellsWherePackingsAreClampedOrDegenerate) {
+  Context context;
+  const MetricSurface metric = torus();
+  const auto energy = UniformizationEnergy::make(context, metric.surface, metric.lengths,
+                                                 {Scheme::kTangential, true});
+  ASSERT_OK(energy);
+  RicciObjective& objective = (*energy)->objective();
+  ASSERT_OK(objective.moveTo(context, (*energy)->start()));
+  EXPECT_TRUE((*energy)->remarks((*energy)->start()).empty());
+  Eigen::VectorXd u = (*energy)->start();
+  u[0] -= 8;
+  ASSERT_OK(objective.moveTo(context, u));
+  EXPECT_THAT((*energy)->remarks(u), ElementsAre(StartsWith("SHRINKING_CIRCLES: ")));
+
+  // Separate circles, one of which is small, make no triangles.
+  const auto separate = UniformizationEnergy::make(context, metric.surface, metric.lengths,
+                                                   {Scheme::kInversiveDistance, true});
+  ASSERT_OK(separate);
+  u = (*separate)->start();
+  u[0] += 8;
+  u[1] -= 8;
+  ASSERT_OK((*separate)->objective().moveTo(context, u));
+  EXPECT_THAT((*separate)->remarks(u),
+              ElementsAre(StartsWith("BROKEN_FACES: "), StartsWith("SHRINKING_CIRCLES: ")));
+
+  const auto clamped = UniformizationEnergy::make(context, metric.surface, metric.lengths,
+                                                  {Scheme::kThurston, true});
+  ASSERT_OK(clamped);
+  ASSERT_OK((*clamped)->objective().moveTo(context, (*clamped)->start()));
+  EXPECT_THAT((*clamped)->remarks((*clamped)->start()), ElementsAre(StartsWith("CLAMPED: ")));
+}
+
+// On two vertices of this mesh circles shrink for ever: the gradient falls by e with each step.
+TEST(UniformizationEnergy, ARealMeshWithoutAPackingIsToldApart) {
+  MODULI_NEED_SHARED_MESH(file, "genus1/ceaedf__Kitten.off");
+  Context context;
+  const auto soup = readMeshFile(context, file);
+  ASSERT_OK(soup);
+  const auto prepared = prepareMesh(context, *soup, {});
+  ASSERT_OK(prepared);
+  const auto energy =
+      UniformizationEnergy::make(context, prepared->mesh.connectivity(),
+                                 prepared->mesh.edgeLengths(), {Scheme::kThurston, true});
+  ASSERT_OK(energy);
+  MinimizeOptions options;
+  options.method = MinimizeMethod::kNewton;
+  options.gradient_tolerance = 1e-12;
+  const auto minimum = minimize(context, (*energy)->objective(), (*energy)->start(), options);
+  ASSERT_OK(minimum);
+  const std::vector<std::string> remarks = (*energy)->remarks(minimum->x);
+  ASSERT_FALSE(remarks.empty());
+  EXPECT_THAT(remarks.back(), StartsWith("SHRINKING_CIRCLES: "));
 }
 
 TEST(UniformizationEnergy, RefusesSpheresAndDisks) {

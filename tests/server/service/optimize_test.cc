@@ -133,6 +133,7 @@ TEST_F(OptimizeTest, TheAffineNormalOfTheQuarticIsThatOfTheFormula) {
   // g.d = g.H^{-1} g = (4 / 3) f.
   EXPECT_NEAR(answer->direction.decrease(), 4.0 / 3 * (1 + t4), 1e-13);
   EXPECT_TRUE(answer->direction.convex());
+  EXPECT_TRUE(answer->direction.timing().contains("direction"));
 }
 
 TEST_F(OptimizeTest, WithAnIndefiniteHessianTheDirectionIsThatOfTheLevelSet) {
