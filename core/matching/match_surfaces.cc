@@ -25,9 +25,6 @@ namespace {
 /// One of several triangulations that agree is right if the spectral match is this much nearer to
 /// it than to any other.
 constexpr double kClearlyNearer = 0.5;
-/// Of more vertices half as many again than this, so many stand for a surface.
-constexpr Index kThinned = 5000;
-
 std::string topologyText(const SurfaceTopology& topology) {
   const auto loops = topology.boundary_loops.size();
   return "genus " + std::to_string(topology.genus) +
@@ -88,7 +85,7 @@ class Matching {
       setTriangulation(same.front());
       return judged();
     }
-    ASSIGN_OR_RETURN(const MatchPair thinned, makeMatchPair(context_, a_, b_, kThinned));
+    ASSIGN_OR_RETURN(const MatchPair thinned, makeMatchPair(context_, a_, b_));
     Status status = correspond(thinned, same);
     if (!status.ok() && (thinned.thin_a || thinned.thin_b) && couldBeThinning(status)) {
       result_ = SurfaceMatch();

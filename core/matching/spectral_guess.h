@@ -24,10 +24,13 @@ struct MatchPair {
   const TriangleMesh& coarseB() const { return thin_b ? thin_b->mesh : b; }
 };
 
+/// So many vertices tell the modes that surfaces are matched by, and a near isometry.
+inline constexpr Index kThinnedVertices = 5000;
+
 /// Closed surfaces of more vertices than `most` and half as many again are thinned to that, where
 /// their mesh allows that. Fails with kCancelled and kDeadlineExceeded. Stage: "thin".
 Result<MatchPair> makeMatchPair(Context& context, const TriangleMesh& a, const TriangleMesh& b,
-                                Index most);
+                                Index most = kThinnedVertices);
 
 /// A spectral match, and what it looked at.
 struct SpectralGuess {
