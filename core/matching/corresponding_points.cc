@@ -4,6 +4,7 @@
 
 #include "core/base/parallel.h"
 #include "core/linalg/dense_product.h"
+#include "core/matching/nearest_in_triangle.h"
 #include "core/matching/spectral_match.h"
 
 namespace moduli {
@@ -25,31 +26,6 @@ void facesAround(const Connectivity& surface, Index v, const Visit& visit) {
     visit(h);
     h = surface.rotate(h);
   } while (h != kNone && h != first);
-}
-
-/// Nearest point to p of the triangle a b c in any dimension, as weights.
-std::array<double, 3> nearestInTriangle(const VectorXd& p, const VectorXd& a, const VectorXd& b,
-                                        const VectorXd& c) {
-  const VectorXd u = b - a, w = c - a, d = p - a;
-  const double uu = u.dot(u), uw = u.dot(w), ww = w.dot(w), du = d.dot(u), dw = d.dot(w);
-  const double det = uu * ww - uw * uw;
-  if (det > 0) {
-    const double s = (ww * du - uw * dw) / det, t = (uu * dw - uw * du) / det;
-    if (s >= 0 && t >= 0 && s + t <= 1) return {1 - s - t, s, t};
-  }
-  // On a side.
-  const auto along = [](double dot, double square) {
-    return square > 0 ? std::clamp(dot / square, 0.0, 1.0) : 0.0;
-  };
-  const double s = along(du, uu), t = along(dw, ww);
-  const double vv = uu - 2 * uw + ww, r = along((p - b).dot(c - b), vv);
-  const std::array<std::array<double, 3>, 3> choices = {
-      {{1 - s, s, 0}, {1 - t, 0, t}, {0, 1 - r, r}}};
-  const auto distance = [&](const std::array<double, 3>& x) {
-    return (d - x[1] * u - x[2] * w).squaredNorm();
-  };
-  return *std::min_element(choices.begin(), choices.end(),
-                           [&](const auto& x, const auto& y) { return distance(x) < distance(y); });
 }
 
 class Finder {
@@ -95,7 +71,8 @@ class Finder {
     double best = std::numeric_limits<double>::infinity();
     facesAround(surface_, vertex, [&](Index h) {
       const auto& [i, j, k] = surface_.face(h / 3);
-      const auto weights = nearestInTriangle(point, places_.col(i), places_.col(j), places_.col(k));
+      const auto weights =
+          nearestInTriangle<VectorXd>(point, places_.col(i), places_.col(j), places_.col(k));
       const double distance = (weights[0] * places_.col(i) + weights[1] * places_.col(j) +
                                weights[2] * places_.col(k) - point)
                                   .squaredNorm();

@@ -2,8 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/linalg/dense_product.h"
 
@@ -17,50 +17,39 @@ using Eigen::VectorXd;
 /// Keeps fits of maps that collapsed to few samples solvable.
 constexpr double kRegularization = 1e-9;
 
+/// The place of the least entry, the first of several.
+Index leastOf(const double* values, Eigen::Index count) {
+  const double least = Eigen::Map<const VectorXd>(values, count).minCoeff();
+  return static_cast<Index>(std::find(values, values + count, least) - values);
+}
+
 /// For each column of one matrix the nearest of the other, both ways; the lowest of several.
 SampleMaps nearestColumns(const MatrixXd& from, const MatrixXd& to) {
   const VectorXd from_squares = from.colwise().squaredNorm() / 2;
   const VectorXd to_squares = to.colwise().squaredNorm() / 2;
-  const MatrixXd products = transposedProduct(to, from);
+  // Half of |y - x|^2.
+  MatrixXd halves = -transposedProduct(to, from);
+  halves.colwise() += to_squares;
+  halves.rowwise() += from_squares.transpose();
   SampleMaps nearest;
-  nearest.there.resize(static_cast<std::size_t>(from.cols()));
-  nearest.back.resize(static_cast<std::size_t>(to.cols()), 0);
-  // Half of |y - x|^2 but for what is the same for all y, or all x.
-  VectorXd best_back = VectorXd::Constant(to.cols(), std::numeric_limits<double>::infinity());
   for (Eigen::Index i = 0; i < from.cols(); ++i) {
-    const double* product = products.data() + i * products.rows();
-    double best = std::numeric_limits<double>::infinity();
-    Index best_there = 0;
-    for (Eigen::Index j = 0; j < to.cols(); ++j) {
-      const double there = to_squares[j] - product[j];
-      if (there < best) {
-        best = there;
-        best_there = static_cast<Index>(j);
-      }
-      const double back = from_squares[i] - product[j];
-      if (back < best_back[j]) {
-        best_back[j] = back;
-        nearest.back[j] = static_cast<Index>(i);
-      }
-    }
-    nearest.there[i] = best_there;
+    nearest.there.push_back(leastOf(halves.data() + i * halves.rows(), halves.rows()));
+  }
+  const MatrixXd turned = halves.transpose();
+  for (Eigen::Index j = 0; j < to.cols(); ++j) {
+    nearest.back.push_back(leastOf(turned.data() + j * turned.rows(), turned.rows()));
   }
   return nearest;
 }
 
-/// Columns of k modes at chosen samples, times the roots of weights.
-MatrixXd weighted(const MatrixXd& functions, Eigen::Index k, const std::vector<Index>& chosen,
-                  const VectorXd& weights) {
-  MatrixXd result(k, static_cast<Eigen::Index>(chosen.size()));
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const auto column = static_cast<Eigen::Index>(i);
-    result.col(column) = functions.col(chosen[i]).head(k) * std::sqrt(weights[column]);
+/// The first modes at chosen samples, or at all in their order, times the roots of weights.
+void takeRows(const MatrixXd& functions, const std::vector<Index>& chosen, const VectorXd& weights,
+              Eigen::Ref<MatrixXd> rows) {
+  const Eigen::Index k = rows.cols();
+  for (Eigen::Index i = 0; i < weights.size(); ++i) {
+    const Eigen::Index from = chosen.empty() ? i : chosen[i];
+    rows.row(i) = functions.col(from).head(k).transpose() * std::sqrt(weights[i]);
   }
-  return result;
-}
-
-MatrixXd weighted(const MatrixXd& functions, Eigen::Index k, const VectorXd& weights) {
-  return functions.topRows(k) * weights.cwiseSqrt().asDiagonal();
 }
 
 }  // namespace
@@ -79,21 +68,22 @@ SampledModes sampleModes(const SpectralSurface& surface, const MatchSamples& sam
 
 MatrixXd fitFunctionalMap(const SampledModes& a, const SampledModes& b, const SampleMaps& maps,
                           Eigen::Index k) {
-  MatrixXd normal = kRegularization * MatrixXd::Identity(k, k);
-  MatrixXd right = MatrixXd::Zero(k, k);
-  const MatrixXd a_there = weighted(a.functions, k, a.weights);
-  const MatrixXd b_there = weighted(b.functions, k, maps.there, a.weights);
-  const MatrixXd a_back = weighted(a.functions, k, maps.back, b.weights);
-  const MatrixXd b_back = weighted(b.functions, k, b.weights);
-  normal += a_there * a_there.transpose() + a_back * a_back.transpose();
-  right += a_there * b_there.transpose() + a_back * b_back.transpose();
-  return normal.ldlt().solve(right);
+  const Eigen::Index here = a.weights.size(), all = here + b.weights.size();
+  MatrixXd of_a(all, k), of_b(all, k);  // One row for each of both maps' pairs.
+  takeRows(a.functions, {}, a.weights, of_a.topRows(here));
+  takeRows(b.functions, maps.there, a.weights, of_b.topRows(here));
+  takeRows(a.functions, maps.back, b.weights, of_a.bottomRows(all - here));
+  takeRows(b.functions, {}, b.weights, of_b.bottomRows(all - here));
+  MatrixXd normal = transposedProduct(of_a, of_a);
+  normal.diagonal().array() += kRegularization;
+  return normal.ldlt().solve(transposedProduct(of_a, of_b));
 }
 
 SampleMaps nearestSamples(const SampledModes& a, const SampledModes& b,
                           const MatrixXd& functional) {
   const Eigen::Index k = functional.rows();
-  return nearestColumns(functional.transpose() * a.functions.topRows(k), b.functions.topRows(k));
+  return nearestColumns(transposedProduct(functional, a.functions.topRows(k)),
+                        b.functions.topRows(k));
 }
 
 Result<MatrixXd> refineFunctionalMap(Context& context, const SampledModes& a, const SampledModes& b,

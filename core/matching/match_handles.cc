@@ -7,6 +7,7 @@
 #include "core/matching/cover_inverse.h"
 #include "core/matching/landmark_flow.h"
 #include "core/matching/settling.h"
+#include "core/matching/whole_map.h"
 
 namespace moduli {
 namespace {
@@ -58,14 +59,21 @@ Status notMet(const std::vector<CoverLandmark>& landmarks, const std::vector<std
 
 class HandleMatching {
  public:
-  HandleMatching(Context& context, const TriangleMesh& a, const TriangleMesh& b,
-                 const CoverSurface& cover, const MatchOptions& options)
-      : context_(context), a_(a), b_(b), cover_(cover), options_(options) {}
+  HandleMatching(Context& context, const MatchPair& pair, const CoverSurface& cover,
+                 const MatchOptions& options)
+      : context_(context), pair_(pair), a_(pair.a), b_(pair.b), cover_(cover), options_(options) {}
 
-  Result<HarmonicMatch> run(const std::vector<SurfacePoint>& points, bool near_isometry) {
-    ASSIGN_OR_RETURN(HarmonicMatch match,
-                     matchHarmonically(context_, surface(), a_.edgeLengths(), cover_, points));
-    if (near_isometry) RETURN_IF_ERROR(settle(context_, a_, b_, cover_, points, match.map));
+  Result<HarmonicMatch> run(const SpectralGuess& guess) {
+    const TriangleMesh& from = pair_.coarseA();
+    ASSIGN_OR_RETURN(
+        HarmonicMatch match,
+        matchHarmonically(context_, from.connectivity(), from.edgeLengths(), cover_, guess.points));
+    if (guess.method == MatchMethod::kNearIsometry) {
+      RETURN_IF_ERROR(settle(context_, from, b_, cover_, guess.points, match.map));
+    }
+    if (pair_.thin_a) {
+      ASSIGN_OR_RETURN(match.map, mapWhole(context_, *pair_.thin_a, a_, b_, cover_, match.map));
+    }
     if (!options_.soft_landmarks.empty()) {
       std::vector<CoverLandmark> all = onCover(options_.landmarks);
       for (CoverLandmark& landmark : onCover(options_.soft_landmarks)) {
@@ -116,6 +124,7 @@ class HandleMatching {
   }
 
   Context& context_;
+  const MatchPair& pair_;
   const TriangleMesh& a_;
   const TriangleMesh& b_;
   const CoverSurface& cover_;
@@ -124,18 +133,16 @@ class HandleMatching {
 
 }  // namespace
 
-Result<HandleCorrespondence> matchHandles(Context& context, const TriangleMesh& a,
-                                          const TriangleMesh& b,
-                                          const std::vector<SurfacePoint>& points,
-                                          bool near_isometry, const MatchOptions& options) {
+Result<HandleCorrespondence> matchHandles(Context& context, const MatchPair& pair,
+                                          const CoverSurface& cover, const SpectralGuess& guess,
+                                          const MatchOptions& options) {
+  const TriangleMesh &a = pair.a, &b = pair.b;
   Landmarks all = options.landmarks;
   all.insert(all.end(), options.soft_landmarks.begin(), options.soft_landmarks.end());
   RETURN_IF_ERROR(checkDistinct(a, b, all));
-  ASSIGN_OR_RETURN(const CoverSurface cover,
-                   straightCover(context, b.connectivity(), b.edgeLengths()));
-  HandleMatching matching(context, a, b, cover, options);
+  HandleMatching matching(context, pair, cover, options);
   HandleCorrespondence result;
-  ASSIGN_OR_RETURN(result.match, matching.run(points, near_isometry));
+  ASSIGN_OR_RETURN(result.match, matching.run(guess));
   ASSIGN_OR_RETURN(result.inverse,
                    invertCoverMap(context, a.connectivity(), cover, result.match.map));
   result.images = result.match.map.images;

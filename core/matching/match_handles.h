@@ -5,7 +5,7 @@
 #include "core/base/context.h"
 #include "core/matching/harmonic_match.h"
 #include "core/matching/match_surfaces.h"
-#include "core/mesh/triangle_mesh.h"
+#include "core/matching/spectral_guess.h"
 
 /// Matching of closed surfaces with handles. Internal to this room.
 namespace moduli {
@@ -17,15 +17,14 @@ struct HandleCorrespondence {
   HarmonicMatch match;
 };
 
-/// A map near pointwise guesses: matchHarmonically in b's metric, settled (settling.h) if the two
-/// are near isometries, then flowToLandmarks, and back.
-/// Soft landmarks are met likewise, as far as that goes, and what comes of it is evened out again
-/// before landmarks are met. points: per vertex of a. Fails as straightCover, matchHarmonically,
-/// settle and invertCoverMap do, with kInvalidOption (two landmarks of one point) and kFoldedMap
+/// A map near a guess: matchHarmonically in b's metric (cover), settled (settling.h) if the two are
+/// near isometries, of a thinned surface where there is one and from there to the whole (mapWhole);
+/// then flowToLandmarks, and back. Soft landmarks are met likewise, as far as that goes, and what
+/// comes of it is evened out again before landmarks are met. Fails as matchHarmonically, settle,
+/// mapWhole and invertCoverMap do, with kInvalidOption (two landmarks of one point) and kFoldedMap
 /// (landmarks that contradict each other, by their names).
-Result<HandleCorrespondence> matchHandles(Context& context, const TriangleMesh& a,
-                                          const TriangleMesh& b,
-                                          const std::vector<SurfacePoint>& points,
-                                          bool near_isometry, const MatchOptions& options = {});
+Result<HandleCorrespondence> matchHandles(Context& context, const MatchPair& pair,
+                                          const CoverSurface& cover, const SpectralGuess& guess,
+                                          const MatchOptions& options = {});
 
 }  // namespace moduli

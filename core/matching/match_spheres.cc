@@ -8,6 +8,7 @@
 #include "core/intrinsic/mollify.h"
 #include "core/matching/homeomorphism.h"
 #include "core/matching/unfold_sphere.h"
+#include "core/matching/whole_map.h"
 #include "core/spherical/landmark_alignment.h"
 #include "core/spherical/landmark_map.h"
 #include "core/spherical/robust_map.h"
@@ -49,23 +50,28 @@ Result<Sphere> conformalSphere(Context& context, const TriangleMesh& mesh, bool 
 
 class SphereMatching {
  public:
-  SphereMatching(Context& context, const TriangleMesh& a, const TriangleMesh& b,
-                 const SpectralGuess& guess, const MatchOptions& options)
-      : context_(context), a_(a), b_(b), guess_(guess), options_(options) {}
+  SphereMatching(Context& context, const MatchPair& pair, const SpectralGuess& guess,
+                 const MatchOptions& options)
+      : context_(context), pair_(pair), a_(pair.a), b_(pair.b), guess_(guess), options_(options) {}
 
   Result<SphereCorrespondence> run() {
+    const bool near_isometry = guess_.method == MatchMethod::kNearIsometry;
+    const bool coarse = near_isometry && pair_.thin_a.has_value();
+    const TriangleMesh& from = coarse ? pair_.coarseA() : a_;
     Result<Sphere> first = Sphere(), second = Sphere();
-    const bool delaunay = options_.initial_delaunay;
     sideBySide(
-        context_, [&](Context& context) { first = conformalSphere(context, a_, delaunay); },
-        [&](Context& context) { second = conformalSphere(context, b_, delaunay); });
+        context_, [&](Context& context) { first = sphereOf(context, from); },
+        [&](Context& context) { second = sphereOf(context, b_); });
     ASSIGN_OR_RETURN(sphere_a_, std::move(first));
     ASSIGN_OR_RETURN(Sphere sphere_b, std::move(second));
     ASSIGN_OR_RETURN(const SphereLocator locator,
                      SphereLocator::make(b_.connectivity(), std::move(sphere_b.points)));
-    ASSIGN_OR_RETURN(Points3 points, align(locator));
-    if (guess_.method == MatchMethod::kNearIsometry) {
-      ASSIGN_OR_RETURN(points, straighten(locator, std::move(points)));
+    ASSIGN_OR_RETURN(Points3 points, align(locator, coarse));
+    if (near_isometry) {
+      ASSIGN_OR_RETURN(points, fit(locator, from, std::move(points), targets(coarse), {}));
+    }
+    if (coarse) {
+      ASSIGN_OR_RETURN(points, ofWhole(locator, points));
     }
     if (!options_.soft_landmarks.empty()) {
       ASSIGN_OR_RETURN(points, draw(locator, std::move(points)));
@@ -91,12 +97,16 @@ class SphereMatching {
   }
 
  private:
-  /// A's sphere moved onto B's.
-  Result<Points3> align(const SphereLocator& b) {
+  Result<Sphere> sphereOf(Context& context, const TriangleMesh& mesh) const {
+    return conformalSphere(context, mesh, options_.initial_delaunay);
+  }
+
+  /// A's sphere, or that of what stands for it, moved onto B's.
+  Result<Points3> align(const SphereLocator& b, bool coarse) {
     std::vector<PointPair> pairs;
-    for (const Index v : guess_.samples) {
-      pairs.push_back(
-          {sphere_a_.points[v], spherePoint(b_.connectivity(), b.points(), guess_.points[v])});
+    for (const Index i : guess_.samples) {
+      pairs.push_back({sphere_a_.points[coarse ? i : guess_.vertices[i]],
+                       spherePoint(b_.connectivity(), b.points(), guess_.points[i])});
     }
     AlignmentOptions alignment;
     alignment.rotation_preference = kRotationPreference;
@@ -106,8 +116,20 @@ class SphereMatching {
     return points;
   }
 
-  Result<Points3> straighten(const SphereLocator& b, Points3 start) {
-    return fit(b, std::move(start), guess_.points, {});
+  std::vector<VertexTarget> targets(bool coarse) const {
+    std::vector<VertexTarget> targets;
+    for (std::size_t i = 0; i < guess_.points.size(); ++i) {
+      const Index v = coarse ? static_cast<Index>(i) : guess_.vertices[i];
+      targets.push_back({v, guess_.points[i], 1});
+    }
+    return targets;
+  }
+
+  /// Of all vertices, from the thinned surface's. Its own sphere takes the place of the latter's.
+  Result<Points3> ofWhole(const SphereLocator& b, const Points3& points) {
+    ASSIGN_OR_RETURN(MollifiedLengths mollified, mollify(a_.connectivity(), a_.edgeLengths()));
+    sphere_a_.lengths = unitLengths(mollified.lengths);
+    return mapWhole(context_, *pair_.thin_a, a_, {b, b_.positions()}, points);
   }
 
   /// To soft landmarks, together with the others, as far as that goes, and evened out again.
@@ -119,22 +141,19 @@ class SphereMatching {
     meeting.partly = true;
     ASSIGN_OR_RETURN(points, meet(b, std::move(points), all, meeting));
     if (guess_.method != MatchMethod::kNearIsometry) return points;
-    std::vector<SurfacePoint> targets;
-    for (const Eigen::Vector3d& p : points) targets.push_back(b.locate(p));
+    std::vector<VertexTarget> there;
+    for (Index v = 0; v < a_.vertexCount(); ++v) there.push_back({v, b.locate(points[v]), 1});
     HomeomorphismOptions fitting;
     fitting.smoothing = kSoftSmoothing;
     fitting.last_smoothing = kSoftSmoothing;  // Settling would take the landmarks back.
-    return fit(b, std::move(points), targets, fitting);
+    return fit(b, a_, std::move(points), there, fitting);
   }
 
-  Result<Points3> fit(const SphereLocator& b, Points3 start,
-                      const std::vector<SurfacePoint>& points,
-                      const HomeomorphismOptions& fitting) {
-    std::vector<VertexTarget> targets;
-    for (Index v = 0; v < a_.vertexCount(); ++v) targets.push_back({v, points[v], 1});
+  Result<Points3> fit(const SphereLocator& b, const TriangleMesh& from, Points3 start,
+                      const std::vector<VertexTarget>& there, const HomeomorphismOptions& fitting) {
     ASSIGN_OR_RETURN(Homeomorphism map,
-                     fitHomeomorphism(context_, {a_.connectivity(), a_.positions(), start},
-                                      {b, b_.positions()}, targets, fitting));
+                     fitHomeomorphism(context_, {from.connectivity(), from.positions(), start},
+                                      {b, b_.positions()}, there, fitting));
     return std::move(map.points);
   }
 
@@ -152,6 +171,7 @@ class SphereMatching {
   }
 
   Context& context_;
+  const MatchPair& pair_;
   const TriangleMesh& a_;
   const TriangleMesh& b_;
   const SpectralGuess& guess_;
@@ -161,10 +181,9 @@ class SphereMatching {
 
 }  // namespace
 
-Result<SphereCorrespondence> matchSpheres(Context& context, const TriangleMesh& a,
-                                          const TriangleMesh& b, const SpectralGuess& guess,
-                                          const MatchOptions& options) {
-  return SphereMatching(context, a, b, guess, options).run();
+Result<SphereCorrespondence> matchSpheres(Context& context, const MatchPair& pair,
+                                          const SpectralGuess& guess, const MatchOptions& options) {
+  return SphereMatching(context, pair, guess, options).run();
 }
 
 }  // namespace moduli

@@ -5,18 +5,10 @@
 
 #include "core/base/context.h"
 #include "core/matching/match_surfaces.h"
-#include "core/matching/spectral_match.h"
+#include "core/matching/spectral_guess.h"
 
 /// Matching of closed surfaces of genus 0. Internal to this room.
 namespace moduli {
-
-/// A spectral match, and what it looked at.
-struct SpectralGuess {
-  MatchMethod method = MatchMethod::kNearIsometry;
-  SpectralMatch match;
-  std::vector<SurfacePoint> points;  ///< correspondingPoints.
-  std::vector<Index> samples;        ///< Vertices of a, evenly spread.
-};
 
 /// Per vertex of a a point of the sphere of b, without folded faces, and the same as points of b.
 struct SphereCorrespondence {
@@ -29,11 +21,11 @@ struct SphereCorrespondence {
 };
 
 /// A map of spheres near a guess: the Möbius map between their conformal maps that brings samples
-/// nearest to where they ought to go; for near isometries then fitHomeomorphism. Landmarks are met
+/// nearest to where they ought to go; for near isometries then fitHomeomorphism, of a thinned
+/// surface where there is one, and from there to the whole (mapWhole). Landmarks are met
 /// at last, after soft ones have been as far as they can be, and what came of that evened out.
 /// Fails as mapToSphereRobust, alignLandmarks, fitHomeomorphism and meetLandmarks do.
-Result<SphereCorrespondence> matchSpheres(Context& context, const TriangleMesh& a,
-                                          const TriangleMesh& b, const SpectralGuess& guess,
-                                          const MatchOptions& options);
+Result<SphereCorrespondence> matchSpheres(Context& context, const MatchPair& pair,
+                                          const SpectralGuess& guess, const MatchOptions& options);
 
 }  // namespace moduli

@@ -14,7 +14,7 @@
 #include "core/matching/match_spheres.h"
 #include "core/matching/same_triangulation.h"
 #include "core/matching/space_mobius.h"
-#include "core/matching/spectral_match.h"
+#include "core/matching/spectral_guess.h"
 #include "core/matching/split_surface.h"
 #include "core/matching/torus_map.h"
 #include "core/topology/surface_topology.h"
@@ -25,17 +25,6 @@ namespace {
 /// One of several triangulations that agree is right if the spectral match is this much nearer to
 /// it than to any other.
 constexpr double kClearlyNearer = 0.5;
-/// A near isometry as good as this needs no other explanation,
-constexpr double kGoodDefect = 0.03;
-/// and is the better one unless the other's defect is this part of its own, or the distances left
-/// by the best Möbius map of space.
-constexpr double kMobiusShare = 0.5;
-/// A Möbius map of space is one of the surfaces if it misses half of the points by less than this
-/// share of the root of the area.
-constexpr double kNearMobius = 0.03;
-/// Matches of at most so much more defect than the best are told of.
-constexpr double kNearlyAsGood = 2;
-
 std::string topologyText(const SurfaceTopology& topology) {
   const auto loops = topology.boundary_loops.size();
   return "genus " + std::to_string(topology.genus) +
@@ -92,46 +81,71 @@ class Matching {
         options_.soft_landmarks.empty()) {
       ASSIGN_OR_RETURN(same, sameTriangulations(context_, a_.connectivity(), b_.connectivity()));
     }
-    if (same.size() == 1 && options_.alternative == 0) return takeTriangulation(same.front());
-    ASSIGN_OR_RETURN(const SpectralGuess guess, wantedGuess());
-    result_.method = guess.method;
-    result_.defect = guess.match.defect;
-    const std::optional<std::size_t> nearest = clearlyNearest(same, guess.points);
-    if (nearest) return takeTriangulation(same[*nearest]);
-    RETURN_IF_ERROR(straighten(guess));
+    if (same.size() == 1 && options_.alternative == 0) {
+      setTriangulation(same.front());
+      return judged();
+    }
+    ASSIGN_OR_RETURN(const MatchPair thinned, makeMatchPair(context_, a_, b_));
+    Status status = correspond(thinned, same);
+    if (!status.ok() && (thinned.thin_a || thinned.thin_b) && couldBeThinning(status)) {
+      result_ = SurfaceMatch();
+      status = correspond({a_, b_}, same);
+    }
+    RETURN_IF_ERROR(status);
     return judged();
   }
 
  private:
-  Result<SurfaceMatch> takeTriangulation(const std::vector<Index>& image) {
+  /// What may have another outcome on all vertices.
+  static bool couldBeThinning(const Status& status) {
+    return status.reason() == Reason::kFoldedMap || status.reason() == Reason::kNoConvergence;
+  }
+
+  /// By what two surfaces, or what stands for them, tell.
+  Status correspond(const MatchPair& pair, const std::vector<std::vector<Index>>& same) {
+    ASSIGN_OR_RETURN(SpectralAnswer answer, guessSpectrally(context_, pair, options_.alternative));
+    const SpectralGuess& guess = answer.guess;
+    if (const auto nearest = clearlyNearest(same, guess)) {
+      setTriangulation(same[*nearest]);
+      return {};
+    }
+    result_.method = guess.method;
+    result_.defect = guess.match.defect;
+    result_.alternatives = std::move(answer.alternatives);
+    return straighten(pair, guess);
+  }
+
+  void setTriangulation(const std::vector<Index>& image) {
     result_.method = MatchMethod::kSameTriangulation;
-    result_.defect.reset();
-    result_.alternatives.clear();
     result_.inverse.resize(image.size());
     for (Index v = 0; v < a_.vertexCount(); ++v) {
       result_.images.push_back(vertexPoint(b_.connectivity(), image[v]));
       result_.inverse[image[v]] = vertexPoint(a_.connectivity(), v);
     }
-    return judged();
   }
 
   /// From points that are nearly right to a map without folds.
-  Status straighten(const SpectralGuess& guess) {
+  Status straighten(const MatchPair& pair, const SpectralGuess& guess) {
     if (guess.method == MatchMethod::kMobius && isClosed()) {
-      ASSIGN_OR_RETURN(const std::optional<TriangleMesh> image, mobiusImage(guess));
-      if (image) {
+      const std::optional<SpaceMobius> map = mobiusNear(pair, guess);
+      if (map) {
+        ASSIGN_OR_RETURN(const TriangleMesh image, imageOf(a_, *map));
+        MatchPair images{image, b_, pair.thin_a, pair.thin_b};
+        if (images.thin_a) {
+          ASSIGN_OR_RETURN(images.thin_a->mesh, imageOf(images.coarseA(), *map));
+        }
         SpectralGuess isometry = guess;
         isometry.method = MatchMethod::kNearIsometry;
-        return straighten(*image, isometry);
+        return straightenNear(images, isometry);
       }
     }
-    return straighten(a_, guess);
+    return straightenNear(pair, guess);
   }
 
-  /// a: or, of closed surfaces, what stands for it.
-  Status straighten(const TriangleMesh& a, const SpectralGuess& guess) {
-    if (a.connectivity().eulerCharacteristic() == 2) {
-      ASSIGN_OR_RETURN(SphereCorrespondence map, matchSpheres(context_, a, b_, guess, options_));
+  /// pair: or, of closed surfaces, what stands for it.
+  Status straightenNear(const MatchPair& pair, const SpectralGuess& guess) {
+    if (a_.connectivity().eulerCharacteristic() == 2) {
+      ASSIGN_OR_RETURN(SphereCorrespondence map, matchSpheres(context_, pair, guess, options_));
       result_.images = std::move(map.images);
       result_.inverse = std::move(map.inverse);
       measureLandmarks(map.landmarks, map.soft_landmarks);
@@ -151,9 +165,9 @@ class Matching {
       result_.inverse = std::move(map.inverse);
       return {};
     }
+    RETURN_IF_ERROR(makeCovers());
     ASSIGN_OR_RETURN(HandleCorrespondence map,
-                     matchHandles(context_, a, b_, guess.points,
-                                  guess.method == MatchMethod::kNearIsometry, options_));
+                     matchHandles(context_, pair, **cover_b_, guess, options_));
     result_.images = std::move(map.images);
     result_.inverse = std::move(map.inverse);
     measureLandmarks(map.landmarks, map.soft_landmarks);
@@ -162,52 +176,32 @@ class Matching {
 
   bool isClosed() const { return computeTopology(a_.connectivity()).boundary_loops.empty(); }
 
-  /// The Möbius map of space nearest to a guess, its median over the root of b's area.
-  Result<SpaceMobiusFit> mobiusOf(const SpectralGuess& guess) const {
-    std::vector<Eigen::Vector3d> points, targets;
-    for (const Index v : guess.samples) {
-      points.push_back(a_.positions()[v]);
-      targets.push_back(spacePoint(b_.connectivity(), b_.positions(), guess.points[v]));
+  /// The Möbius map of space nearest to a guess; nothing where none is near.
+  std::optional<SpaceMobius> mobiusNear(const MatchPair& pair, const SpectralGuess& guess) const {
+    const Result<SpaceMobiusFit> fit = mobiusOf(pair, guess);
+    if (!fit.ok() || !(fit->median < kNearMobius)) return {};
+    for (const Eigen::Vector3d& p : a_.positions()) {
+      if (!fit->map(p).allFinite()) return {};
     }
-    ASSIGN_OR_RETURN(SpaceMobiusFit fit, fitSpaceMobius(points, targets));
-    fit.median /= std::sqrt(b_.area());
-    return fit;
+    return fit->map;
   }
 
-  /// Whether the second guess is of surfaces that a Möbius map of space carries to each other. It
-  /// has 10 numbers, and the guess some hundred points: they do not agree by accident.
-  bool isMobius(const SpectralGuess& isometry, const SpectralGuess& mobius) const {
-    if (mobius.match.defect < kMobiusShare * isometry.match.defect) return true;
-    if (!isClosed()) return false;
-    const Result<SpaceMobiusFit> fit = mobiusOf(mobius), other = mobiusOf(isometry);
-    if (!fit.ok() || !(fit->median < kNearMobius)) return false;
-    return !other.ok() || fit->median < kMobiusShare * other->median;
-  }
-
-  /// Where the Möbius map of space nearest to a guess takes a: what is left is a near isometry.
-  /// Nothing where no such map is near.
-  Result<std::optional<TriangleMesh>> mobiusImage(const SpectralGuess& guess) const {
-    std::optional<TriangleMesh> none;
-    const Result<SpaceMobiusFit> fit = mobiusOf(guess);
-    if (!fit.ok() || !(fit->median < kNearMobius)) return none;
-    TriangleSoup soup{a_.positions(), a_.connectivity().faces()};
-    for (Eigen::Vector3d& p : soup.vertices) {
-      p = fit->map(p);
-      if (!p.allFinite()) return none;
-    }
-    ASSIGN_OR_RETURN(TriangleMesh image, TriangleMesh::fromSoup(std::move(soup)));
-    return std::optional(std::move(image));
+  /// Where a Möbius map of space takes a surface.
+  static Result<TriangleMesh> imageOf(const TriangleMesh& mesh, const SpaceMobius& map) {
+    TriangleSoup soup{mesh.positions(), mesh.connectivity().faces()};
+    for (Eigen::Vector3d& p : soup.vertices) p = map(p);
+    return TriangleMesh::fromSoup(std::move(soup));
   }
 
   /// Of several numberings the one that the points mean.
   std::optional<std::size_t> clearlyNearest(const std::vector<std::vector<Index>>& numberings,
-                                            const std::vector<SurfacePoint>& points) const {
+                                            const SpectralGuess& guess) const {
     std::vector<std::pair<double, std::size_t>> distances;
     for (std::size_t i = 0; i < numberings.size(); ++i) {
       double sum = 0;
-      for (std::size_t v = 0; v < points.size(); ++v) {
-        sum += (spacePoint(b_.connectivity(), b_.positions(), points[v]) -
-                b_.positions()[numberings[i][v]])
+      for (std::size_t k = 0; k < guess.points.size(); ++k) {
+        sum += (spacePoint(b_.connectivity(), b_.positions(), guess.points[k]) -
+                b_.positions()[numberings[i][guess.vertices[k]]])
                    .norm();
       }
       distances.emplace_back(sum, i);
@@ -216,110 +210,6 @@ class Matching {
     std::sort(distances.begin(), distances.end());
     if (!(distances[0].first < kClearlyNearer * distances[1].first)) return {};
     return distances[0].second;
-  }
-
-  using Pair = std::pair<SpectralSurface, SpectralSurface>;
-
-  Result<Pair> spectralPair(MatchMetric metric) {
-    std::optional<Result<SpectralSurface>> first, second;
-    sideBySide(
-        context_,
-        [&](Context& context) { first.emplace(makeSpectralSurface(context, a_, metric)); },
-        [&](Context& context) { second.emplace(makeSpectralSurface(context, b_, metric)); });
-    RETURN_IF_ERROR(first->status());
-    RETURN_IF_ERROR(second->status());
-    return Pair(**std::move(first), **std::move(second));
-  }
-
-  /// The matches by one metric, best first, and what they look at.
-  struct Answers {
-    MatchMethod method = MatchMethod::kNearIsometry;
-    Pair surfaces;
-    std::vector<SpectralMatch> matches;
-  };
-  /// One of them.
-  struct Answer {
-    const Answers* by = nullptr;
-    const SpectralMatch* match = nullptr;
-  };
-
-  Result<Answers> answersBy(MatchMethod method) {
-    const bool mobius = method == MatchMethod::kMobius;
-    ASSIGN_OR_RETURN(Pair pair, spectralPair(mobius ? MatchMetric::kMobius : MatchMetric::kOwn));
-    ASSIGN_OR_RETURN(std::vector<SpectralMatch> matches,
-                     matchSpectra(context_, pair.first, pair.second));
-    return Answers{method, std::move(pair), std::move(matches)};
-  }
-
-  /// The match by either metric that is wanted; tells of the others.
-  Result<SpectralGuess> wantedGuess() {
-    ASSIGN_OR_RETURN(const Answers own, answersBy(MatchMethod::kNearIsometry));
-    std::vector<const Answers*> all = {&own};
-    std::optional<Result<Answers>> mobius;
-    if (own.matches.empty() || own.matches.front().defect > kGoodDefect) {
-      mobius.emplace(answersBy(MatchMethod::kMobius));
-      RETURN_IF_ERROR(mobius->status());
-      all.push_back(&**mobius);
-    }
-    std::vector<SpectralGuess> guesses;
-    for (const Answers* answers : all) {
-      if (answers->matches.empty()) continue;
-      ASSIGN_OR_RETURN(SpectralGuess guess, guessOf({answers, &answers->matches.front()}));
-      guesses.push_back(std::move(guess));
-    }
-    if (guesses.empty()) {
-      return Status(Reason::kNoConvergence,
-                    "no correspondence of the surfaces was found that keeps orientation",
-                    "--mirror looks for one that turns it over; --landmarks tells points that "
-                    "correspond");
-    }
-    const bool second = guesses.size() == 2 && isMobius(guesses.front(), guesses.back());
-    SpectralGuess& best = second ? guesses.back() : guesses.front();
-    const std::vector<Answer> ranked = ranking(all, best);
-    const auto wanted = static_cast<std::size_t>(options_.alternative);
-    if (wanted >= ranked.size()) {
-      return Status(Reason::kInvalidOption,
-                    "there is no answer " + std::to_string(options_.alternative) +
-                        ": beside the best there are " + std::to_string(ranked.size() - 1),
-                    "the best one's list of others tells them");
-    }
-    for (std::size_t i = 0; i < ranked.size(); ++i) {
-      if (i != wanted) {
-        result_.alternatives.push_back({ranked[i].by->method, ranked[i].match->defect});
-      }
-    }
-    if (wanted == 0) return std::move(best);
-    return guessOf(ranked[wanted]);
-  }
-
-  /// The best, and those that are nearly as good or better by their defects.
-  static std::vector<Answer> ranking(const std::vector<const Answers*>& all,
-                                     const SpectralGuess& best) {
-    std::vector<Answer> ranked(1);
-    for (const Answers* answers : all) {
-      for (const SpectralMatch& match : answers->matches) {
-        const Answer answer{answers, &match};
-        if (answers->method == best.method && &match == &answers->matches.front()) {
-          ranked.front() = answer;
-        } else if (match.defect < kNearlyAsGood * best.match.defect) {
-          ranked.push_back(answer);
-        }
-      }
-    }
-    std::stable_sort(ranked.begin() + 1, ranked.end(), [](const Answer& x, const Answer& y) {
-      return x.match->defect < y.match->defect;
-    });
-    return ranked;
-  }
-
-  Result<SpectralGuess> guessOf(const Answer& answer) {
-    const auto& [x, y] = answer.by->surfaces;
-    SpectralGuess guess;
-    guess.method = answer.by->method;
-    guess.match = *answer.match;
-    guess.samples = x.coarse.vertices;
-    ASSIGN_OR_RETURN(guess.points, correspondingPoints(context_, x, y, guess.match.functional));
-    return guess;
   }
 
   /// From where the map takes the landmarks.
@@ -354,25 +244,34 @@ class Matching {
     result_.cycle_error = cycleError(a_.connectivity(), a_.positions(), result_.images,
                                      b_.connectivity(), result_.inverse) /
                           std::sqrt(a_.area());
-    if (isClosed() && a_.connectivity().eulerCharacteristic() == 0) {
-      RETURN_IF_ERROR(measureTori());
-    }
+    if (isTorus()) RETURN_IF_ERROR(measureTori());
     return std::move(result_);
+  }
+
+  bool isTorus() const { return isClosed() && a_.connectivity().eulerCharacteristic() == 0; }
+
+  /// Of b, and of tori of a, too, whose metric may have no straight faces.
+  Status makeCovers() {
+    if (cover_b_) return {};
+    const auto make = [](Context& context, const TriangleMesh& mesh,
+                         std::optional<Result<CoverSurface>>& cover) {
+      cover.emplace(straightCover(context, mesh.connectivity(), mesh.edgeLengths()));
+    };
+    if (isTorus()) {
+      sideBySide(
+          context_, [&](Context& context) { make(context, a_, cover_a_); },
+          [&](Context& context) { make(context, b_, cover_b_); });
+    } else {
+      make(context_, b_, cover_b_);
+    }
+    RETURN_IF_ERROR(context_.check());
+    return cover_b_->status();
   }
 
   /// The extremal map of the class. Absent where a metric has no straight faces.
   Status measureTori() {
-    std::optional<Result<CoverSurface>> first, second;
-    sideBySide(
-        context_,
-        [&](Context& context) {
-          first.emplace(straightCover(context, a_.connectivity(), a_.edgeLengths()));
-        },
-        [&](Context& context) {
-          second.emplace(straightCover(context, b_.connectivity(), b_.edgeLengths()));
-        });
-    if (first->ok() && second->ok()) {
-      const Result<TorusMap> map = affineTorusMap(context_, **first, **second, result_.images);
+    if (makeCovers().ok() && cover_a_->ok()) {
+      const Result<TorusMap> map = affineTorusMap(context_, **cover_a_, **cover_b_, result_.images);
       if (map.ok()) result_.teichmuller_distance = map->distance;
     }
     return context_.check();
@@ -382,6 +281,7 @@ class Matching {
   const TriangleMesh& a_;
   const TriangleMesh& b_;
   const MatchOptions& options_;
+  std::optional<Result<CoverSurface>> cover_a_, cover_b_;
   std::optional<std::pair<MapReport, double>> measured_;  ///< Of parts of faces.
   SurfaceMatch result_;
 };

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/matching/plane_step.h"
+
 namespace moduli {
 namespace {
 
@@ -28,25 +30,7 @@ constexpr double kHold = 100;
 const SpaceTriangle kNoFace = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
                                Eigen::Vector3d::Zero()};
 
-/// Newton's step in the plane of that normal; 0 where it leads nowhere.
-Eigen::Vector3d stepIn(const Eigen::Vector3d& normal, const Eigen::Vector3d& gradient,
-                       const Eigen::Matrix3d& hessian) {
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
-  Eigen::Index least = 0;
-  normal.cwiseAbs().minCoeff(&least);
-  axis[least] = 1;
-  Eigen::Matrix<double, 3, 2> tangent;
-  tangent.col(0) = normal.cross(axis).normalized();
-  tangent.col(1) = normal.cross(tangent.col(0));
-  const Eigen::Matrix2d h = tangent.transpose() * hessian * tangent;
-  const Eigen::Vector2d g = tangent.transpose() * gradient;
-  const double determinant = h(0, 0) * h(1, 1) - h(0, 1) * h(1, 0);
-  if (!(determinant > 0)) return Eigen::Vector3d::Zero();
-  return tangent * Eigen::Vector2d((h(0, 1) * g[1] - h(1, 1) * g[0]) / determinant,
-                                   (h(1, 0) * g[0] - h(0, 0) * g[1]) / determinant);
-}
-
-/// The same on a line.
+/// Newton's step on a line.
 Eigen::Vector3d stepAlong(const Eigen::Vector3d& tangent, const Eigen::Vector3d& gradient,
                           const Eigen::Matrix3d& hessian) {
   const double h = tangent.dot(hessian * tangent);
@@ -131,9 +115,9 @@ Eigen::Vector3d Relaxation::newtonStep(const Star& star, Index v, double& expect
   const double pull = mesh_.isHeld(v) ? full * kHold : full * share * share;
   gradient += pull * away;
   hessian.diagonal().array() += pull;
-  const Eigen::Vector3d step = mesh_.isRim(v)
-                                   ? stepAlong(domain_->rimTangent(here), gradient, hessian)
-                                   : stepIn(domain_->normal(here.point.face), gradient, hessian);
+  const Eigen::Vector3d step =
+      mesh_.isRim(v) ? stepAlong(domain_->rimTangent(here), gradient, hessian)
+                     : stepInPlane(domain_->normal(here.point.face), gradient, hessian);
   expected = -gradient.dot(step) / 2;
   const double length = step.norm();
   return length > 2 * longest ? Eigen::Vector3d(step * (2 * longest / length)) : step;

@@ -55,6 +55,9 @@ class RingMesh {
   /// The two are neighbours and canCollapse is true. O(degree) times the degrees of the ring.
   void collapse(Index removed, Index kept);
 
+  /// Those that are not undone, in their order.
+  const std::vector<Collapse>& collapses() const { return removed_; }
+
   /// Undoes the last collapse. Precondition: there is one.
   Collapse restore();
 

@@ -179,7 +179,7 @@ class Aligner {
     return different(std::move(found), y);
   }
 
-  /// On the fine samples, to all modes.
+  /// On the fine samples, to the middle modes.
   Result<std::vector<SpectralMatch>> finish(const std::vector<Candidate>& candidates) {
     const Context::Stage stage(context_, "refine");
     const SampledModes x = sampleModes(a_, a_.fine), y = sampleModes(b_, b_.fine);
@@ -208,9 +208,6 @@ class Aligner {
         refineFunctionalMap(context_, x, y, modesUpTo(coarse_, middle, kFineStep), maps));
     match.defect = orthogonalityDefect(match.functional);
     match.orientation = candidate.orientation;
-    ASSIGN_OR_RETURN(
-        match.functional,
-        refineFunctionalMap(context_, x, y, modesUpTo(middle, modes_, kFineStep), maps));
     return match;
   }
 
@@ -287,7 +284,24 @@ Result<std::vector<SpectralMatch>> matchSpectra(Context& context, const Spectral
                                                 const SpectralMatchOptions& options) {
   Aligner aligner(context, a, b, options);
   ASSIGN_OR_RETURN(const std::vector<Candidate> candidates, aligner.coarseCandidates());
-  return aligner.finish(candidates);
+  ASSIGN_OR_RETURN(std::vector<SpectralMatch> matches, aligner.finish(candidates));
+  if (!matches.empty()) {
+    ASSIGN_OR_RETURN(matches.front(), withAllModes(context, a, b, std::move(matches.front())));
+  }
+  return matches;
+}
+
+Result<SpectralMatch> withAllModes(Context& context, const SpectralSurface& a,
+                                   const SpectralSurface& b, SpectralMatch match) {
+  const Context::Stage stage(context, "refine");
+  const Eigen::Index modes = std::min(a.values.size(), b.values.size());
+  const Eigen::Index has = match.functional.rows();
+  if (has >= modes) return match;
+  const SampledModes x = sampleModes(a, a.fine), y = sampleModes(b, b.fine);
+  SampleMaps maps = nearestSamples(x, y, match.functional);
+  ASSIGN_OR_RETURN(match.functional,
+                   refineFunctionalMap(context, x, y, modesUpTo(has, modes, kFineStep), maps));
+  return match;
 }
 
 }  // namespace moduli

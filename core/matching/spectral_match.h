@@ -18,7 +18,9 @@ struct SpectralMatchOptions {
 
 /// A map between surfaces that bending leaves nearly as it was.
 struct SpectralMatch {
-  Eigen::MatrixXd functional;  ///< All modes, see functional_map.h.
+  /// See functional_map.h. Of the best match of all modes, of others of the first 60:
+  /// withAllModes.
+  Eigen::MatrixXd functional;
   /// orthogonalityDefect of its first 60 modes: some hundredths for near isometries of a sort that
   /// limbs turning in their joints are, a third and more for maps that are none.
   double defect = 0;
@@ -32,12 +34,18 @@ struct SpectralMatch {
 /// Starts: triplets of features whose distances from each other agree within a quarter, those of
 /// the most similar wave kernel signatures first; and the lowest modes with all signs. Each is
 /// refined on the coarse samples to 20 modes from 4, 6, 10 and 14: low modes alone may draw a map
-/// to a mirror image in thin parts. The best different ones on the fine samples to 60, and to all
-/// modes. Fails with kCancelled and kDeadlineExceeded. A second or two whatever the size. Stages:
-/// "align", "refine". Source: MATH 9.5; the refinement is Melzi et al. 2019, both ways at once.
+/// to a mirror image in thin parts. The best different ones on the fine samples to 60, and the best
+/// of these to all modes. Fails with kCancelled and kDeadlineExceeded. A second or two whatever the
+/// size. Stages: "align", "refine". Source: MATH 9.5; the refinement is Melzi et al. 2019, both
+/// ways at once.
 Result<std::vector<SpectralMatch>> matchSpectra(Context& context, const SpectralSurface& a,
                                                 const SpectralSurface& b,
                                                 const SpectralMatchOptions& options = {});
+
+/// The match with the functional map of all modes, refined from the one it has. Fails with
+/// kCancelled and kDeadlineExceeded. Stage: "refine".
+Result<SpectralMatch> withAllModes(Context& context, const SpectralSurface& a,
+                                   const SpectralSurface& b, SpectralMatch match);
 
 /// The point of b that each vertex of a goes to: where the surface that b's modes make of it in as
 /// many dimensions is nearest to the image of the vertex' own. From the nearest fine sample

@@ -35,33 +35,11 @@ std::vector<Eigen::Vector3d> vertexNormals(const TriangleMesh& mesh) {
   return normals;
 }
 
-/// Willmore's energy around every vertex, the integral of H^2 - K = (k1 - k2)^2 / 4, with a floor:
-/// spheres and planes have none. areas: around each vertex, of lengths; the positions may have
-/// another unit, for the energy has none.
-std::vector<double> willmoreEnergies(const TriangleMesh& mesh, const std::vector<double>& lengths) {
-  const Connectivity& surface = mesh.connectivity();
-  const std::vector<double> curvature = integratedMeanCurvature(mesh);
-  std::vector<double> areas(surface.vertexCount(), 0.0), defect(areas.size(), 2 * std::numbers::pi);
-  const std::vector<double> face_areas = mesh.faceAreas();
-  for (Index f = 0; f < surface.faceCount(); ++f) {
-    for (int c = 0; c < 3; ++c) {
-      const Index h = 3 * f + c;
-      const double b = lengths[surface.edge(h)], a = lengths[surface.edge(surface.next(h))],
-                   l = lengths[surface.edge(surface.previous(h))];
-      areas[surface.tail(h)] += face_areas[f] / 3;
-      defect[surface.tail(h)] -=
-          std::acos(std::clamp((b * b + l * l - a * a) / (2 * b * l), -1.0, 1.0));
-    }
-  }
-  std::vector<double> energies;
-  for (std::size_t v = 0; v < areas.size(); ++v) {
-    const double squared = curvature[v] * curvature[v] / areas[v];
-    energies.push_back(std::isfinite(squared) ? std::max(0.0, squared - defect[v]) : 0.0);
-  }
+/// Spheres and planes have no energy of their own.
+void floorEnergies(std::vector<double>& energies) {
   const double total = std::accumulate(energies.begin(), energies.end(), 0.0);
   const double floor = kEnergyFloor * std::max(total, 1.0) / static_cast<double>(energies.size());
   for (double& energy : energies) energy += floor;
-  return energies;
 }
 
 /// Energies evenly spread in log value; each row of squares times a Gaussian around one.
@@ -92,20 +70,48 @@ MatchSamples samplesOf(const EdgeGraph& graph, const std::vector<Index>& begin, 
 
 }  // namespace
 
+Result<std::vector<double>> willmoreEnergies(const TriangleMesh& mesh) {
+  const Connectivity& surface = mesh.connectivity();
+  ASSIGN_OR_RETURN(const MollifiedLengths mollified, mollify(surface, mesh.edgeLengths()));
+  const std::vector<double>& lengths = mollified.lengths;
+  const std::vector<double> curvature = integratedMeanCurvature(mesh);
+  std::vector<double> areas(surface.vertexCount(), 0.0), defect(areas.size(), 2 * std::numbers::pi);
+  const std::vector<double> face_areas = mesh.faceAreas();
+  for (Index f = 0; f < surface.faceCount(); ++f) {
+    for (int c = 0; c < 3; ++c) {
+      const Index h = 3 * f + c;
+      const double b = lengths[surface.edge(h)], a = lengths[surface.edge(surface.next(h))],
+                   l = lengths[surface.edge(surface.previous(h))];
+      areas[surface.tail(h)] += face_areas[f] / 3;
+      defect[surface.tail(h)] -=
+          std::acos(std::clamp((b * b + l * l - a * a) / (2 * b * l), -1.0, 1.0));
+    }
+  }
+  std::vector<double> energies;
+  for (std::size_t v = 0; v < areas.size(); ++v) {
+    const double squared = curvature[v] * curvature[v] / areas[v];
+    energies.push_back(std::isfinite(squared) ? std::max(0.0, squared - defect[v]) : 0.0);
+  }
+  return energies;
+}
+
 Result<SpectralSurface> makeSpectralSurface(Context& context, const TriangleMesh& mesh,
-                                            MatchMetric metric) {
+                                            MatchMetric metric, std::vector<double> energies) {
   const Connectivity& surface = mesh.connectivity();
   ASSIGN_OR_RETURN(MollifiedLengths mollified, mollify(surface, mesh.edgeLengths()));
   std::vector<double> lengths = unitLengths(mollified.lengths);
   const std::vector<double> weights = cotanWeights(surface, lengths);
   std::vector<double> areas = vertexAreas(surface, lengths);
   if (metric == MatchMetric::kMobius) {
-    const std::vector<double> energies = willmoreEnergies(mesh, lengths);
+    if (energies.empty()) {
+      ASSIGN_OR_RETURN(energies, willmoreEnergies(mesh));
+    }
+    floorEnergies(energies);
     for (Index e = 0; e < surface.edgeCount(); ++e) {
       const Index h = surface.halfedge(e), v = surface.tail(h), w = surface.head(h);
       lengths[e] *= std::sqrt((energies[v] / areas[v] + energies[w] / areas[w]) / 2);
     }
-    areas = energies;
+    areas = std::move(energies);
   }
   const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
   for (double& area : areas) area /= total;

@@ -48,10 +48,16 @@ inline constexpr Eigen::Index kMatchModes = 120;
 inline constexpr Eigen::Index kWaveBands = 30;
 inline constexpr Index kCoarseSamples = 200, kFineSamples = 1000;
 
+/// Willmore's energy around every vertex, the integral of H^2 - K = (k1 - k2)^2 / 4 (no unit).
+/// Fails as mollify does. O(F).
+Result<std::vector<double>> willmoreEnergies(const TriangleMesh& mesh);
+
 /// Makes one of a connected mesh. Fails as mollify and smallestEigenpairs do. About 30 F at 20,000
 /// faces, most of it in the modes. Stages as theirs, and "features".
-/// Source of the signature: Aubry, Schlickewei, Cremers 2011.
+/// energies: of kMobius, per vertex, those of a finer mesh that this one stands for; if empty,
+/// willmoreEnergies. Source of the signature: Aubry, Schlickewei, Cremers 2011.
 Result<SpectralSurface> makeSpectralSurface(Context& context, const TriangleMesh& mesh,
-                                            MatchMetric metric = MatchMetric::kOwn);
+                                            MatchMetric metric = MatchMetric::kOwn,
+                                            std::vector<double> energies = {});
 
 }  // namespace moduli

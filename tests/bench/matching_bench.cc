@@ -14,8 +14,10 @@
 #include "core/matching/homeomorphism.h"
 #include "core/matching/map_report.h"
 #include "core/matching/match_surfaces.h"
-#include "core/matching/spectral_match.h"
+#include "core/matching/settling.h"
+#include "core/matching/spectral_guess.h"
 #include "core/matching/unfold_sphere.h"
+#include "core/matching/whole_map.h"
 #include "core/spherical/landmark_alignment.h"
 #include "core/spherical/robust_map.h"
 #include "core/topology/surface_topology.h"
@@ -28,13 +30,16 @@ constexpr double kShare = 0.7;  // Of the faces.
 
 /// What the steps of a match leave for those after them: of genus 0 spheres, of others covers.
 struct Steps {
+  std::optional<MatchPair> pair;
   std::optional<SpectralSurface> spectral_a, spectral_b;
   SpectralMatch match;
   std::vector<SurfacePoint> points;
   std::optional<SphereLocator> sphere_b;
-  Points3 sphere_a, start, fitted;
+  Points3 sphere_a, start, fitted;  ///< Of the thinned surface, where there is one.
+  Points3 mapped;
   std::optional<CoverSurface> cover;
   HarmonicMatch harmonic;
+  CoverMap map;
   std::vector<SurfacePoint> images, inverse;
 };
 
@@ -51,11 +56,17 @@ class Bench {
     return *prepared_;
   }
 
+  Status thin(Context& context) {
+    ASSIGN_OR_RETURN(MatchPair pair, makeMatchPair(context, a(), *b_));
+    steps_.pair.emplace(std::move(pair));
+    return {};
+  }
+
   Status spectral(Context& context) {
     std::optional<Result<SpectralSurface>> first, second;
     sideBySide(
-        context, [&](Context& own) { first.emplace(makeSpectralSurface(own, a())); },
-        [&](Context& own) { second.emplace(makeSpectralSurface(own, *b_)); });
+        context, [&](Context& own) { first.emplace(makeSpectralSurface(own, coarseA())); },
+        [&](Context& own) { second.emplace(makeSpectralSurface(own, steps_.pair->coarseB())); });
     RETURN_IF_ERROR(first->status());
     RETURN_IF_ERROR(second->status());
     steps_.spectral_a.emplace(**std::move(first));
@@ -75,6 +86,9 @@ class Bench {
     ASSIGN_OR_RETURN(steps_.points,
                      correspondingPoints(context, *steps_.spectral_a, *steps_.spectral_b,
                                          steps_.match.functional));
+    if (steps_.pair->thin_b) {
+      steps_.points = onWhole(*b_, *steps_.pair->thin_b, steps_.points);
+    }
     return {};
   }
 
@@ -87,7 +101,7 @@ class Bench {
     }
     Result<SphereMap> first = SphereMap(), second = SphereMap();
     sideBySide(
-        context, [&](Context& own) { first = sphereOf(own, a()); },
+        context, [&](Context& own) { first = sphereOf(own, coarseA()); },
         [&](Context& own) { second = sphereOf(own, *b_); });
     RETURN_IF_ERROR(first.status());
     RETURN_IF_ERROR(second.status());
@@ -99,31 +113,51 @@ class Bench {
   }
 
   Status fit(Context& context) {
+    const TriangleMesh& from = coarseA();
     if (!isSphere()) {
       ASSIGN_OR_RETURN(steps_.harmonic,
-                       matchHarmonically(context, a().connectivity(), a().edgeLengths(),
+                       matchHarmonically(context, from.connectivity(), from.edgeLengths(),
                                          *steps_.cover, steps_.points));
-      steps_.images = steps_.harmonic.map.images;
-      return {};
+      return settle(context, from, *b_, *steps_.cover, steps_.points, steps_.harmonic.map);
     }
     RETURN_IF_ERROR(align());
     std::vector<VertexTarget> targets;
-    for (Index v = 0; v < a().vertexCount(); ++v) targets.push_back({v, steps_.points[v], 1});
-    ASSIGN_OR_RETURN(Homeomorphism map,
-                     fitHomeomorphism(context, {a().connectivity(), a().positions(), steps_.start},
-                                      {*steps_.sphere_b, b_->positions()}, targets));
+    for (Index v = 0; v < from.vertexCount(); ++v) targets.push_back({v, steps_.points[v], 1});
+    ASSIGN_OR_RETURN(
+        Homeomorphism map,
+        fitHomeomorphism(context, {from.connectivity(), from.positions(), steps_.start}, target(),
+                         targets));
     steps_.fitted = std::move(map.points);
-    steps_.images = std::move(map.images);
+    return {};
+  }
+
+  Status whole(Context& context) {
+    const std::optional<ThinnedSurface>& thinned = steps_.pair->thin_a;
+    steps_.images.clear();
+    if (isSphere()) {
+      steps_.mapped = steps_.fitted;
+      if (thinned) {
+        ASSIGN_OR_RETURN(steps_.mapped, mapWhole(context, *thinned, a(), target(), steps_.fitted));
+      }
+      for (const auto& p : steps_.mapped) steps_.images.push_back(steps_.sphere_b->locate(p));
+      return {};
+    }
+    steps_.map = steps_.harmonic.map;
+    if (thinned) {
+      ASSIGN_OR_RETURN(steps_.map,
+                       mapWhole(context, *thinned, a(), *b_, *steps_.cover, steps_.harmonic.map));
+    }
+    steps_.images = steps_.map.images;
     return {};
   }
 
   Status inverse(Context& context) {
     if (isSphere()) {
       ASSIGN_OR_RETURN(steps_.inverse, invertHomeomorphism(context, a().connectivity(),
-                                                           steps_.fitted, *steps_.sphere_b));
+                                                           steps_.mapped, *steps_.sphere_b));
     } else {
-      ASSIGN_OR_RETURN(steps_.inverse, invertCoverMap(context, a().connectivity(), *steps_.cover,
-                                                      steps_.harmonic.map));
+      ASSIGN_OR_RETURN(steps_.inverse,
+                       invertCoverMap(context, a().connectivity(), *steps_.cover, steps_.map));
     }
     return {};
   }
@@ -148,6 +182,8 @@ class Bench {
 
  private:
   const TriangleMesh& a() const { return mesh_->prepared.mesh; }
+  const TriangleMesh& coarseA() const { return steps_.pair->coarseA(); }
+  SphericalTarget target() const { return {*steps_.sphere_b, b_->positions()}; }
   bool isSphere() const { return a().connectivity().eulerCharacteristic() == 2; }
 
   Status takeAll() {
@@ -156,11 +192,13 @@ class Bench {
     ASSIGN_OR_RETURN(TriangleMesh simpler, TriangleMesh::fromSoup(simplified(soup, wanted)));
     b_.emplace(std::move(simpler));
     Context context;
+    RETURN_IF_ERROR(thin(context));
     RETURN_IF_ERROR(spectral(context));
     RETURN_IF_ERROR(spectra(context));
     RETURN_IF_ERROR(points(context));
     RETURN_IF_ERROR(canonical(context));
     RETURN_IF_ERROR(fit(context));
+    RETURN_IF_ERROR(whole(context));
     return inverse(context);
   }
 
@@ -223,11 +261,13 @@ void registerMatching(const std::shared_ptr<Case>& mesh) {
       state.counters["genus"] = topology.genus;
     });
   };
+  add("thin", &Bench::thin);
   add("spectral", &Bench::spectral);
   add("spectra", &Bench::spectra);
   add("points", &Bench::points);
   add("canonical", &Bench::canonical);
   add("fit", &Bench::fit);
+  add("whole", &Bench::whole);
   add("inverse", &Bench::inverse);
   add("judge", &Bench::judge);
   add("all", &Bench::all);

@@ -6,12 +6,13 @@
 
 namespace moduli {
 
-/// match/spectral, spectra, points, canonical, fit, inverse, judge and all of a closed surface onto
-/// itself with 70 % of the faces; nothing of others. Each is the cost of that step alone, after
-/// those before it, for both surfaces where it takes both, in F of the whole one: `spectral` what
-/// makeSpectralSurface does, `canonical` the maps to the sphere or the other surface's metric of
-/// constant curvature, `all` a match from beginning to end, with its stages. `fit` counts the
-/// alignment of the spheres, or all of matchHarmonically.
+/// match/thin, spectral, spectra, points, canonical, fit, whole, inverse, judge and all of a closed
+/// surface onto itself with 70 % of the faces; nothing of others. Each is the cost of that step
+/// alone, after those before it, for both surfaces where it takes both, in F of the whole one:
+/// `thin` what stands for surfaces of many vertices, `spectral` what makeSpectralSurface does,
+/// `canonical` the maps to the sphere or the other surface's metric of constant curvature, `all` a
+/// match from beginning to end, with its stages. `fit` counts the alignment of the spheres, or all
+/// of matchHarmonically, and the settling; `whole` the way back to all vertices.
 void registerMatching(const std::shared_ptr<Case>& mesh);
 
 }  // namespace moduli

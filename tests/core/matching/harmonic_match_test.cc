@@ -160,7 +160,10 @@ TEST(HarmonicMatch, LeadsThereAndBack) {
   const TriangleSoup soup = lumpyPlate(4, 2);
   const TriangleMesh b = meshOf(soup);
   const TriangleMesh a = meshOf(simplified(soup, soup.faces.size() / 2));
-  const auto match = matchHandles(context, a, b, vertexTargets(b, nearestVertices(a, b)), false);
+  SpectralGuess guess;
+  guess.method = MatchMethod::kMobius;
+  guess.points = vertexTargets(b, nearestVertices(a, b));
+  const auto match = matchHandles(context, {a, b}, coverOf(b), guess);
   ASSERT_OK(match);
   // Both ways are of straight faces, of one surface and the other: they differ within a face.
   EXPECT_LT(

@@ -85,6 +85,49 @@ TEST(MatchSurfaces, NeedsNoCommonTriangulation) {
   EXPECT_LE(found.cycle_error, 0.005);
 }
 
+// By what stands for them: as near as their own modes would lead. Edges of the surfaces are 0.03
+// and 0.025 long, and a fifth of one is what a map made of points can hope for.
+TEST(MatchSurfaces, FindsItsWayBackFromThinnedSurfaces) {
+  const TriangleSoup from = lump(28, 1), to = lump(31, 2);
+  const TriangleMesh a = meshOf(from), b = meshOf(moved(to));
+  ASSERT_GT(std::min(a.vertexCount(), b.vertexCount()), 7500);
+  const SurfaceMatch found = match(a, b);
+  EXPECT_EQ(found.method, MatchMethod::kNearIsometry);
+  const auto error = errors(found, b, moved(from).vertices);
+  std::cout << a.vertexCount() << " vertices: mean error " << mean(error) << ", largest "
+            << error.back() << ", distance " << found.distance << "\n";
+  EXPECT_LE(mean(error), 0.005);
+  EXPECT_LE(error.back(), 0.03);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  EXPECT_LE(found.cycle_error, 0.002);
+}
+
+TEST(MatchSurfaces, FindsItsWayBackFromThinnedTori) {
+  const TriangleMesh a = meshOf(lumpyTorus(64, 1)), b = meshOf(lumpyTorus(68, 2));
+  ASSERT_GT(std::min(a.vertexCount(), b.vertexCount()), 7500);
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  const auto error = errors(found, b, a.positions());
+  std::cout << a.vertexCount() << " vertices: mean error " << mean(error) << ", largest "
+            << error.back() << ", distance " << found.distance << "\n";
+  EXPECT_LE(mean(error), 0.01);  // Two bumps hardly keep a torus from turning within itself.
+  EXPECT_LE(error.back(), 0.03);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  EXPECT_LE(found.cycle_error, 0.002);
+}
+
+TEST(MatchSurfaces, MatchesThinnedInversionsOfSpace) {
+  SampleRandom random(3);
+  const TriangleSoup soup = lump(28, 1), other = inverted(soup, 0.5, random);
+  const TriangleMesh a = meshOf(soup), b = meshOf(other);
+  ASSERT_GT(a.vertexCount(), 7500);
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  EXPECT_EQ(found.method, MatchMethod::kMobius);
+  const auto error = errors(found, b, b.positions());
+  std::cout << "inverted: mean error " << mean(error) << ", largest " << error.back() << "\n";
+  EXPECT_LE(mean(error), 0.005);
+  EXPECT_EQ(found.report.folded_faces, 0);
+}
+
 TEST(MatchSurfaces, DoesNotDependOnNumbersPlaceAndSize) {
   const TriangleSoup soup = lump(12, 1);
   const Renumbered first = renumbered(soup, 8), second = renumbered(moved(lump(13, 2)), 9);

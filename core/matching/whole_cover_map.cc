@@ -1,0 +1,332 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/matching/face_distortion.h"
+#include "core/matching/plane_step.h"
+#include "core/matching/surface_walk.h"
+#include "core/matching/whole_map.h"
+#include "core/spherical/exact_sign.h"
+
+namespace moduli {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+/// As for spheres.
+constexpr int kSweeps = 4;
+constexpr double kTolerance = 2e-3;
+/// Twice a triangle's area in the plane over the square of its longest side: what is clearer of
+/// turning over than this need not be kept from it, and what is less so is not made.
+constexpr double kClear = 1e-3, kTooThin = 1e-9;
+constexpr int kHalvings = 5;
+
+/// Lines are straight there.
+Vector2d inKlein(const Vector3d& place) {
+  return place.head<2>() / place[2];
+}
+
+/// 0 where the triangle is not positive.
+double clearanceOf(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  if (spherical::orientationSign(a, b, c) <= 0) return 0;
+  const Vector2d p = inKlein(a), u = inKlein(b) - p, w = inKlein(c) - p;
+  const double longest = std::max({u.squaredNorm(), w.squaredNorm(), (w - u).squaredNorm()});
+  return std::max(0.0, u[0] * w[1] - u[1] * w[0]) / longest;
+}
+
+/// A map of the vertices that are there, in the plane of a cover.
+class CoverRefinement {
+ public:
+  CoverRefinement(Context& context, const ThinnedSurface& thinned, const TriangleMesh& a,
+                  const TriangleMesh& b, const CoverSurface& cover, const CoverMap& map)
+      : context_(context),
+        a_(a.connectivity()),
+        cover_(cover),
+        plane_(cover.plane()),
+        walk_(b.connectivity(), b.positions(), std::sqrt(b.area())),
+        mesh_(thinned.rings),
+        positions_(a.positions()),
+        vertices_(a.positions().size()) {
+    const double unit = std::sqrt(a.area());
+    for (Vector3d& p : positions_) p /= unit;
+    const Connectivity& coarse = thinned.mesh.connectivity();
+    for (Index v = 0; v < coarse.vertexCount(); ++v) {
+      Vertex& vertex = vertices_[thinned.vertices[v]];
+      vertex.image = map.images[v];
+      vertex.place = map.places[v];
+      vertex.space = walk_.place(vertex.image);
+    }
+    for (Index h = 0; h < coarse.halfedgeCount(); ++h) {
+      see(thinned.vertices[coarse.tail(h)], thinned.vertices[coarse.head(h)], map.transitions[h]);
+    }
+    order_ = thinned.vertices;
+  }
+
+  Result<CoverMap> run() {
+    const auto all = static_cast<Index>(positions_.size());
+    while (mesh_.vertexCount() < all) {
+      const Index next = std::min(2 * mesh_.vertexCount(), all);
+      while (mesh_.vertexCount() < next) RETURN_IF_ERROR(restoreOne());
+      RETURN_IF_ERROR(relaxAll());
+    }
+    return whole();
+  }
+
+ private:
+  struct Vertex {
+    SurfacePoint image;
+    Vector3d place = Vector3d::Zero(), space = Vector3d::Zero();
+    /// Per neighbour: from the coordinates of its image's face to those of the own one's.
+    std::vector<std::pair<Index, Motion>> seen;
+  };
+
+  Motion& transition(Index v, Index w) {
+    auto& seen = vertices_[v].seen;
+    return std::find_if(seen.begin(), seen.end(), [&](const auto& e) { return e.first == w; })
+        ->second;
+  }
+
+  void see(Index v, Index w, const Motion& motion) { vertices_[v].seen.emplace_back(w, motion); }
+
+  void forget(Index v, Index w) {
+    std::erase_if(vertices_[v].seen, [&](const auto& entry) { return entry.first == w; });
+  }
+
+  /// The ring of a vertex in the coordinates of its image's face.
+  std::vector<Vector3d> ringSeen(Index v) {
+    std::vector<Vector3d> places;
+    for (const Index w : mesh_.ring(v)) places.push_back(transition(v, w) * vertices_[w].place);
+    return places;
+  }
+
+  static double clearance(const Vector3d& place, const std::vector<Vector3d>& ring) {
+    double least = kClear;
+    for (std::size_t i = 0; i < ring.size() && least > 0; ++i) {
+      least = std::min(least, clearanceOf(place, ring[i], ring[i + 1 == ring.size() ? 0 : i + 1]));
+    }
+    return least;
+  }
+
+  Status restoreOne() {
+    if (mesh_.vertexCount() % 1024 == 0) RETURN_IF_ERROR(context_.check());
+    const auto [v, kept] = mesh_.restore();
+    const std::vector<Index>& ring = mesh_.ring(v);
+    // As `kept`, which is in the ring, sees it.
+    std::vector<Motion> to;
+    std::vector<Vector3d> places;
+    for (const Index w : ring) {
+      to.push_back(w == kept ? Motion::Identity() : transition(kept, w));
+      places.push_back(to.back() * vertices_[w].place);
+    }
+    const auto at =
+        static_cast<std::size_t>(std::find(ring.begin(), ring.end(), kept) - ring.begin());
+    const Vector3d place = placeIn(v, places, at);
+    if (!(place[2] > 0)) {
+      return {Reason::kFoldedMap, "vertex " + std::to_string(v) +
+                                      " finds no place that folds no face: the map is thinner "
+                                      "there than doubles tell apart"};
+    }
+    const CoverArrival end = walkStraight(cover_, vertices_[kept].image.face, places[at], place);
+    Vertex& vertex = vertices_[v];
+    vertex.image = cover_.pointAt(end.face, end.place);
+    vertex.place = end.place;
+    vertex.space = walk_.place(vertex.image);
+    const Motion back = plane_.inverse(end.motion);
+    const std::size_t n = ring.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i != at && i != (at + 1) % n && i != (at + n - 1) % n) {
+        forget(kept, ring[i]);
+        forget(ring[i], kept);
+      }
+      const Motion motion = plane_.normalized(Motion(back * to[i]));
+      see(v, ring[i], motion);
+      see(ring[i], v, plane_.inverse(motion));
+    }
+    order_.push_back(v);
+    relax(v);
+    return {};
+  }
+
+  /// In the kernel of a ring: 0 where no double is.
+  Vector3d placeIn(Index v, const std::vector<Vector3d>& ring, std::size_t kept) const {
+    const Vector3d mean = plane_.normalized(meanOf(v, ring));
+    if (clearance(mean, ring) > kTooThin) return mean;
+    // Close to `kept` the kernel is a sector between the two neighbours they share; its bisector
+    // leads into it.
+    const std::size_t n = ring.size();
+    const Vector2d origin = inKlein(ring[kept]);
+    const Vector2d left = (inKlein(ring[(kept + 1) % n]) - origin).normalized();
+    const Vector2d right = (inKlein(ring[(kept + n - 1) % n]) - origin).normalized();
+    Vector2d middle = left + right;
+    if (right[0] * left[1] - right[1] * left[0] > 0) middle = -middle;
+    if (middle.norm() < 1e-6) middle = Vector2d(-left[1], left[0]);
+    middle.normalize();
+    double reach = 0, clearest = 0;
+    for (const Vector3d& w : ring) reach = std::max(reach, (inKlein(w) - origin).norm());
+    Vector3d best = Vector3d::Zero();
+    for (int halving = 0; halving < 50; ++halving, reach /= 2) {
+      const Vector2d trial = origin + reach * middle;
+      if (!plane_.isFlat() && !(trial.norm() < 1)) continue;
+      const Vector3d place = plane_.normalized(Vector3d(trial[0], trial[1], 1));
+      const double clear = clearance(place, ring);
+      if (clearest > 0 && !(clear > clearest)) break;
+      if (!(clear > clearest)) continue;
+      clearest = clear;
+      best = place;
+    }
+    return best;
+  }
+
+  /// By mean value coordinates, as the surface before the map has them. Source: Floater 2003.
+  Vector3d meanOf(Index v, const std::vector<Vector3d>& places) const {
+    const std::vector<Index>& ring = mesh_.ring(v);
+    const std::size_t n = ring.size();
+    std::vector<double> half_tangent(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vector3d p = positions_[ring[i]] - positions_[v];
+      const Vector3d q = positions_[ring[(i + 1) % n]] - positions_[v];
+      const double cosine = p.dot(q) + p.norm() * q.norm();
+      half_tangent[i] = cosine > 0 ? std::min(p.cross(q).norm() / cosine, 1e3) : 1e3;
+    }
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t i = 0; i < n; ++i) {
+      const double length = (positions_[ring[i]] - positions_[v]).norm();
+      const double weight = (half_tangent[i] + half_tangent[(i + n - 1) % n]) /
+                            std::max(length, std::numeric_limits<double>::min());
+      sum += weight * places[i];
+    }
+    return sum;
+  }
+
+  Status relaxAll() {
+    double excess = std::numeric_limits<double>::infinity();
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      RETURN_IF_ERROR(context_.check());
+      double gain = 0;
+      for (const Index v : order_) gain += relax(v);
+      if (sweep == 0) excess = excessNow();
+      if (!(gain > kTolerance * excess)) break;
+    }
+    return {};
+  }
+
+  /// Of all faces, less what an isometry has.
+  double excessNow() const {
+    double sum = 0;
+    for (const Index v : order_) {
+      const std::vector<Index>& ring = mesh_.ring(v);
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Index p = ring[i], q = ring[i + 1 == ring.size() ? 0 : i + 1];
+        if (v > p || v > q) continue;
+        const FaceDistortion face({positions_[v], positions_[p], positions_[q]});
+        sum += face.energy({vertices_[v].space, vertices_[p].space, vertices_[q].space}) -
+               4 * face.area();
+      }
+    }
+    return sum;
+  }
+
+  /// One step of Newton's method in the surface, halved until its faces stay positive and their
+  /// energy falls. Returns by how much.
+  double relax(Index v) {
+    Vertex& vertex = vertices_[v];
+    const std::vector<Index>& ring = mesh_.ring(v);
+    const std::size_t n = ring.size();
+    faces_.clear();
+    Vector3d gradient = Vector3d::Zero();
+    Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+    double longest = 0;
+    const auto triangle = [&](const Vector3d& at, std::size_t i) -> SpaceTriangle {
+      return {at, vertices_[ring[i]].space, vertices_[ring[i + 1 == n ? 0 : i + 1]].space};
+    };
+    for (std::size_t i = 0; i < n; ++i) {
+      faces_.emplace_back(SpaceTriangle{positions_[v], positions_[ring[i]],
+                                        positions_[ring[i + 1 == n ? 0 : i + 1]]});
+      faces_.back().differentiate(triangle(vertex.space, i), gradient, hessian);
+      longest = std::max(longest, (vertices_[ring[i]].space - vertex.space).norm());
+    }
+    const auto energy = [&](const Vector3d& at) {
+      double sum = 0;
+      for (std::size_t i = 0; i < n; ++i) sum += faces_[i].energy(triangle(at, i));
+      return sum;
+    };
+    Vector3d step = stepInPlane(walk_.normal(vertex.image.face), gradient, hessian);
+    const double before = energy(vertex.space), enough = 1e-13 * before;
+    if (!(-gradient.dot(step) / 2 > enough)) return 0;
+    if (step.norm() > 2 * longest) step *= 2 * longest / step.norm();
+    std::vector<Vector3d> seen;
+    double clear = 0;
+    for (int halving = 0; halving < kHalvings; ++halving, step /= 3) {
+      Motion way = Motion::Identity();
+      bool crossed = false;
+      const SurfacePoint image = walk_(vertex.image, step, 256, [&](Index h) {
+        way = way * cover_.across[h];
+        crossed = true;
+      });
+      const Vector3d space = walk_.place(image);
+      const double gain = before - energy(space);
+      if (!(gain > enough)) continue;
+      if (seen.empty()) {
+        seen = ringSeen(v);
+        clear = clearance(vertex.place, seen);
+      }
+      const Vector3d place = cover_.place(image);
+      const double then = clearance(crossed ? Vector3d(way * place) : place, seen);
+      if (then < clear || !(then > 0)) continue;
+      if (crossed) follow(v, way);
+      vertex.image = image;
+      vertex.place = place;
+      vertex.space = space;
+      return gain;
+    }
+    return 0;
+  }
+
+  /// way: from the coordinates of v's new face to those of the old one.
+  void follow(Index v, const Motion& way) {
+    const Motion back = plane_.inverse(way);
+    for (auto& [w, motion] : vertices_[v].seen) {
+      motion = plane_.normalized(Motion(back * motion));
+      transition(w, v) = plane_.inverse(motion);
+    }
+  }
+
+  Result<CoverMap> whole() {
+    CoverMap result;
+    for (const Vertex& vertex : vertices_) {
+      result.images.push_back(vertex.image);
+      result.places.push_back(vertex.place);
+    }
+    for (Index h = 0; h < a_.halfedgeCount(); ++h) {
+      result.transitions.push_back(transition(a_.tail(h), a_.head(h)));
+    }
+    const Index folded = countFolded(a_, result);
+    if (folded == 0) return result;
+    return Status(Reason::kFoldedMap, std::to_string(folded) + " faces of the map are folded");
+  }
+
+  Context& context_;
+  const Connectivity& a_;
+  const CoverSurface& cover_;
+  const CoverPlane plane_;
+  const SurfaceWalk walk_;
+  RingMesh mesh_;
+  std::vector<Vector3d> positions_;  ///< Of a, of area 1.
+  std::vector<Vertex> vertices_;
+  std::vector<Index> order_;  ///< Those that are there.
+  std::vector<FaceDistortion> faces_;
+};
+
+}  // namespace
+
+Result<CoverMap> mapWhole(Context& context, const ThinnedSurface& thinned, const TriangleMesh& a,
+                          const TriangleMesh& b, const CoverSurface& cover, const CoverMap& map) {
+  const Context::Stage stage(context, "whole");
+  return CoverRefinement(context, thinned, a, b, cover, map).run();
+}
+
+}  // namespace moduli
