@@ -103,7 +103,7 @@ class Matching {
 
   /// By what two surfaces, or what stands for them, tell.
   Status correspond(const MatchPair& pair, const std::vector<std::vector<Index>>& same) {
-    ASSIGN_OR_RETURN(SpectralAnswer answer, guessSpectrally(context_, pair, options_.alternative));
+    ASSIGN_OR_RETURN(SpectralAnswer answer, guessSpectrally(context_, pair, options_));
     const SpectralGuess& guess = answer.guess;
     if (const auto nearest = clearlyNearest(same, guess)) {
       setTriangulation(same[*nearest]);

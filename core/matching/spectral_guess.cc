@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -19,6 +21,10 @@ constexpr double kGoodDefect = 0.03;
 constexpr double kMobiusShare = 0.5;
 /// Matches of at most so much more defect than the best are told of.
 constexpr double kNearlyAsGood = 2;
+/// So many of them are compared by landmarks; another one than the best by its modes has to miss
+/// them by less than this part.
+constexpr std::size_t kMostTried = 8;
+constexpr double kClearlyNearer = 0.5;
 
 bool isClosed(const TriangleMesh& mesh) {
   return computeTopology(mesh.connectivity()).boundary_loops.empty();
@@ -51,8 +57,14 @@ Result<SpectralSurface> spectralOf(Context& context, const TriangleMesh& mesh,
 
 class Guessing {
  public:
-  Guessing(Context& context, const MatchPair& pair, int wanted)
-      : context_(context), pair_(pair), wanted_(static_cast<std::size_t>(wanted)) {}
+  Guessing(Context& context, const MatchPair& pair, const MatchOptions& options)
+      : context_(context),
+        pair_(pair),
+        wanted_(static_cast<std::size_t>(options.alternative)),
+        landmarks_(options.landmarks) {
+    landmarks_.insert(landmarks_.end(), options.soft_landmarks.begin(),
+                      options.soft_landmarks.end());
+  }
 
   Result<SpectralAnswer> run() {
     ASSIGN_OR_RETURN(const Answers own, answersBy(MatchMethod::kNearIsometry));
@@ -114,7 +126,50 @@ class Guessing {
     ASSIGN_OR_RETURN(Pair pair, spectralPair(mobius ? MatchMetric::kMobius : MatchMetric::kOwn));
     ASSIGN_OR_RETURN(std::vector<SpectralMatch> matches,
                      matchSpectra(context_, pair.first, pair.second));
-    return Answers{method, std::move(pair), std::move(matches)};
+    Answers answers{method, std::move(pair), std::move(matches)};
+    if (!landmarks_.empty()) {
+      RETURN_IF_ERROR(preferByLandmarks(answers));
+    }
+    return answers;
+  }
+
+  /// Puts the match first that misses the landmarks least, of those nearly as good as the best.
+  Status preferByLandmarks(Answers& answers) {
+    std::vector<SpectralMatch>& matches = answers.matches;
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t n = 0; n < std::min(matches.size(), kMostTried); ++n) {
+      if (n > 0 && !(matches[n].defect < kNearlyAsGood * matches[0].defect)) break;
+      ASSIGN_OR_RETURN(const SpectralGuess guess, guessOf({&answers, &matches[n]}));
+      // What agrees up to the guess's own unevenness is decided by the defect.
+      const double miss = missOf(guess);
+      if (miss >= kClearlyNearer * least) continue;
+      least = miss;
+      best = n;
+    }
+    std::rotate(matches.begin(), matches.begin() + static_cast<std::ptrdiff_t>(best),
+                matches.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+    return {};
+  }
+
+  /// The root mean square distance of landmarks from where the nearest vertices go.
+  double missOf(const SpectralGuess& guess) const {
+    double sum = 0;
+    for (const MatchLandmark& landmark : landmarks_) {
+      const Eigen::Vector3d from =
+          spacePoint(pair_.a.connectivity(), pair_.a.positions(), landmark.a);
+      const auto nearest =
+          std::min_element(guess.vertices.begin(), guess.vertices.end(), [&](Index v, Index w) {
+            return (pair_.a.positions()[v] - from).squaredNorm() <
+                   (pair_.a.positions()[w] - from).squaredNorm();
+          });
+      const SurfacePoint& to =
+          guess.points[static_cast<std::size_t>(nearest - guess.vertices.begin())];
+      sum += (spacePoint(pair_.b.connectivity(), pair_.b.positions(), to) -
+              spacePoint(pair_.b.connectivity(), pair_.b.positions(), landmark.b))
+                 .squaredNorm();
+    }
+    return std::sqrt(sum / static_cast<double>(landmarks_.size()));
   }
 
   /// Whether the second guess is of surfaces that a Möbius map of space carries to each other. It
@@ -188,6 +243,7 @@ class Guessing {
   Context& context_;
   const MatchPair& pair_;
   std::size_t wanted_;
+  std::vector<MatchLandmark> landmarks_;
 };
 
 }  // namespace
@@ -204,8 +260,9 @@ Result<MatchPair> makeMatchPair(Context& context, const TriangleMesh& a, const T
   return pair;
 }
 
-Result<SpectralAnswer> guessSpectrally(Context& context, const MatchPair& pair, int wanted) {
-  return Guessing(context, pair, wanted).run();
+Result<SpectralAnswer> guessSpectrally(Context& context, const MatchPair& pair,
+                                       const MatchOptions& options) {
+  return Guessing(context, pair, options).run();
 }
 
 Result<SpaceMobiusFit> mobiusOf(const MatchPair& pair, const SpectralGuess& guess) {

@@ -47,10 +47,12 @@ struct SpectralAnswer {
   std::vector<MatchAlternative> alternatives;
 };
 
-/// By either metric, whichever agrees better. wanted: MatchOptions::alternative. Fails with
-/// kNoConvergence (no correspondence), kInvalidOption (no such answer), and as makeSpectralSurface
-/// and matchSpectra do.
-Result<SpectralAnswer> guessSpectrally(Context& context, const MatchPair& pair, int wanted);
+/// By either metric, whichever agrees better; of answers that are nearly as good, as symmetric
+/// surfaces have them, the one that misses the landmarks (exact and soft) least. options:
+/// `alternative` says which answer. Fails with kNoConvergence (no correspondence), kInvalidOption
+/// (no such answer), and as makeSpectralSurface and matchSpectra do.
+Result<SpectralAnswer> guessSpectrally(Context& context, const MatchPair& pair,
+                                       const MatchOptions& options);
 
 /// The Möbius map of space nearest to a guess, its median over the root of b's area. Fails as
 /// fitSpaceMobius does.
