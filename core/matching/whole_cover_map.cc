@@ -17,9 +17,11 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// As for spheres.
-constexpr int kSweeps = 4;
+/// Over all vertices, at every level.
+constexpr int kSweeps = 3;
 constexpr double kTolerance = 2e-3;
+/// What a vertex gains less than, over their number, does not disturb its neighbours.
+constexpr double kRest = 2e-6;
 /// Twice a triangle's area in the plane over the square of its longest side: what is clearer of
 /// turning over than this need not be kept from it, and what is less so is not made.
 constexpr double kClear = 1e-3, kTooThin = 1e-9;
@@ -67,10 +69,14 @@ class CoverRefinement {
   }
 
   Result<CoverMap> run() {
-    const auto all = static_cast<Index>(positions_.size());
-    while (mesh_.vertexCount() < all) {
-      const Index next = std::min(2 * mesh_.vertexCount(), all);
-      while (mesh_.vertexCount() < next) RETURN_IF_ERROR(restoreOne());
+    // Levels of equal ratios, of about twice as many vertices each.
+    const double all = static_cast<double>(positions_.size());
+    const double here = static_cast<double>(mesh_.vertexCount());
+    const double levels = std::max(1.0, std::round(std::log2(all / here)));
+    for (double level = 1; level <= levels; ++level) {
+      const auto wanted =
+          static_cast<Index>(std::lround(here * std::pow(all / here, level / levels)));
+      while (mesh_.vertexCount() < wanted) RETURN_IF_ERROR(restoreOne());
       RETURN_IF_ERROR(relaxAll());
     }
     return whole();
@@ -202,14 +208,25 @@ class CoverRefinement {
     return sum;
   }
 
+  /// As Relaxation::relaxAll: vertices that have come to rest sleep until a neighbour moves.
   Status relaxAll() {
     double excess = std::numeric_limits<double>::infinity();
+    const double rest = kRest / static_cast<double>(order_.size());
+    awake_.assign(vertices_.size(), 1);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       RETURN_IF_ERROR(context_.check());
-      double gain = 0;
-      for (const Index v : order_) gain += relax(v);
+      double gained = 0;
+      for (const Index v : order_) {
+        if (awake_[v] == 0) continue;
+        const double gain = relax(v);
+        gained += gain;
+        awake_[v] = 0;
+        if (!(gain > rest)) continue;
+        awake_[v] = 1;
+        for (const Index w : mesh_.ring(v)) awake_[w] = 1;
+      }
       if (sweep == 0) excess = excessNow();
-      if (!(gain > kTolerance * excess)) break;
+      if (!(gained > kTolerance * excess)) break;
     }
     return {};
   }
@@ -318,6 +335,7 @@ class CoverRefinement {
   std::vector<Vector3d> positions_;  ///< Of a, of area 1.
   std::vector<Vertex> vertices_;
   std::vector<Index> order_;  ///< Those that are there.
+  std::vector<char> awake_;
   std::vector<FaceDistortion> faces_;
 };
 
