@@ -11,6 +11,7 @@
 
 #include "core/forms/cotan.h"
 #include "core/intrinsic/angles.h"
+#include "core/mesh/disjoint_sets.h"
 
 namespace moduli {
 namespace {
@@ -18,28 +19,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// The most that curvature adds to a length, as a multiple of it.
 constexpr double kMostAdded = 10;
-
-/// Disjoint sets with path halving.
-class Sets {
- public:
-  explicit Sets(Index count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), Index{0});
-  }
-  Index find(Index x) {
-    while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
-    return x;
-  }
-  /// Whether they were apart.
-  bool join(Index a, Index b) {
-    a = find(a);
-    b = find(b);
-    parent_[a] = b;
-    return a != b;
-  }
-
- private:
-  std::vector<Index> parent_;
-};
 
 class SeamChoice {
  public:
@@ -127,7 +106,7 @@ class SeamChoice {
     const auto cost = [&](Index e) { return distance_[tail(e)] + costs_[e] + distance_[head(e)]; };
     std::stable_sort(order.begin(), order.end(),
                      [&](Index a, Index b) { return cost(a) > cost(b); });
-    Sets faces(surface_.faceCount());
+    DisjointSets faces(surface_.faceCount());
     for (const Index e : order) {
       const Index h = surface_.halfedge(e);
       seam[e] = !faces.join(Connectivity::faceOf(h), Connectivity::faceOf(surface_.twin(h)));
