@@ -21,6 +21,8 @@ constexpr int kRounds = 4;
 /// Of what soft landmarks have made of a map: shorter than that of targets, for they are better
 /// known.
 constexpr double kSoftSmoothing = 0.02;
+/// Towards points known by their places: as fitHomeomorphism's over that length.
+constexpr double kShapePull = 4 / (kShapeSmoothing * kShapeSmoothing);
 
 using Landmarks = std::vector<MatchLandmark>;
 
@@ -69,7 +71,9 @@ class HandleMatching {
         HarmonicMatch match,
         matchHarmonically(context_, from.connectivity(), from.edgeLengths(), cover_, guess.points));
     if (guess.method == MatchMethod::kNearIsometry) {
-      RETURN_IF_ERROR(settle(context_, from, b_, cover_, guess.points, match.map));
+      SettlingOptions settling;
+      if (guess.by_shape) settling.pull = kShapePull;
+      RETURN_IF_ERROR(settle(context_, from, b_, cover_, guess.points, match.map, settling));
     }
     if (pair_.thin_a) {
       ASSIGN_OR_RETURN(match.map, mapWhole(context_, *pair_.thin_a, a_, b_, cover_, match.map));

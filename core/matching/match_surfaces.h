@@ -43,6 +43,7 @@ enum class MatchMethod : std::uint8_t {
   kSameTriangulation,  ///< The meshes differ by numbering and places of vertices.
   kNearIsometry,       ///< By the surfaces' own metrics: bending changes little.
   kMobius,             ///< By what Möbius maps of space keep: nothing but angles agrees.
+  kShape,              ///< By where they are in space, the finer relief of one smoothed away.
 };
 
 /// Another answer that is nearly as good, as symmetric surfaces have them.

@@ -39,6 +39,8 @@ struct SpectralGuess {
   std::vector<Index> vertices;       ///< Of a, ascending: those of coarseA.
   std::vector<SurfacePoint> points;  ///< Per one of these its point of b: correspondingPoints.
   std::vector<Index> samples;        ///< Numbers of some of these, evenly spread.
+  /// Whether points are known by their places in space: errors are then no longer than relief.
+  bool by_shape = false;
 };
 
 /// The wanted answer, and what others there are.
@@ -57,6 +59,10 @@ Result<SpectralAnswer> guessSpectrally(Context& context, const MatchPair& pair,
 /// The Möbius map of space nearest to a guess, its median over the root of b's area. Fails as
 /// fitSpaceMobius does.
 Result<SpaceMobiusFit> mobiusOf(const MatchPair& pair, const SpectralGuess& guess);
+
+/// Over so much of the root of the area errors of points known by their places are evened out; they
+/// are no longer than the relief that was smoothed away.
+inline constexpr double kShapeSmoothing = 0.05;
 
 /// A Möbius map of space is one of the surfaces if it misses half of the points by less than this
 /// share of the root of the area.

@@ -14,6 +14,7 @@ namespace moduli {
 namespace {
 
 constexpr double kNear = 0.1;
+constexpr double kShortWay = 4;  ///< Mean edges.
 
 /// Ways along the edges of b, searched as far as need be.
 class Ways {
@@ -53,6 +54,8 @@ std::string methodName(MatchMethod method) {
       return "metric";
     case MatchMethod::kMobius:
       return "Moebius";
+    case MatchMethod::kShape:
+      return "shape";
   }
   return "";
 }
@@ -96,12 +99,16 @@ std::vector<double> matchErrors(const KnownPair& pair, const std::vector<Surface
                                 std::size_t samples) {
   const Ways ways(pair.b);
   const double whole = std::sqrt(pair.b.area());
+  const std::vector<double> edges = pair.b.edgeLengths();
+  const double short_way = kShortWay * std::accumulate(edges.begin(), edges.end(), 0.0) /
+                           static_cast<double>(edges.size());
   const std::size_t stride = std::max<std::size_t>(1, pair.truth.size() / samples);
   std::vector<double> errors;
   for (std::size_t v = 0; v < pair.truth.size(); v += stride) {
     const Eigen::Vector3d place = spacePoint(pair.b.connectivity(), pair.b.positions(), images[v]);
     const double straight = (place - pair.truth[v]).norm();
-    errors.push_back(std::max(straight, ways.from(pair.truth[v], images[v].face)) / whole);
+    const double way = ways.from(pair.truth[v], images[v].face);
+    errors.push_back((way > short_way ? std::max(straight, way) : straight) / whole);
   }
   std::sort(errors.begin(), errors.end());
   return errors;

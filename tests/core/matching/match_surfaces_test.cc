@@ -128,6 +128,28 @@ TEST(MatchSurfaces, MatchesThinnedInversionsOfSpace) {
   EXPECT_EQ(found.report.folded_faces, 0);
 }
 
+// Folded and inflated cortices are no near isometries, but lie in one place.
+class CortexPair : public testing::TestWithParam<bool> {};
+
+TEST_P(CortexPair, IsMatchedByItsSmoothedShapes) {
+  MODULI_NEED_SHARED_MESH(folded, "brain/nilearn__pial_left.ply");
+  MODULI_NEED_SHARED_MESH(inflated, "brain/nilearn__infl_left.ply");
+  Context context;
+  const TriangleMesh pial = meshOf(*readMeshFile(context, folded));
+  const TriangleMesh inflation = meshOf(moved(*readMeshFile(context, inflated)));
+  const TriangleMesh& a = GetParam() ? pial : inflation;
+  const TriangleMesh& b = GetParam() ? inflation : pial;
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  EXPECT_EQ(found.method, MatchMethod::kShape);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  const auto error = errors(found, b, b.positions());
+  std::cout << "mean " << mean(error) << ", nine in ten " << error[error.size() * 9 / 10] << '\n';
+  // In space the folded one's places are nearer to each other than along it.
+  EXPECT_LE(mean(error), 0.03);
+  EXPECT_LE(error[error.size() * 9 / 10], 0.1);
+}
+INSTANTIATE_TEST_SUITE_P(BothWays, CortexPair, testing::Bool());
+
 TEST(MatchSurfaces, DoesNotDependOnNumbersPlaceAndSize) {
   const TriangleSoup soup = lump(12, 1);
   const Renumbered first = renumbered(soup, 8), second = renumbered(moved(lump(13, 2)), 9);
