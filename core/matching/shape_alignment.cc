@@ -28,6 +28,8 @@ constexpr double kAlong = 0.1;     ///< Of distances along a surface beside thos
 constexpr double kSettled = 1e-3;  ///< Of the mean gap, by which a round must lower it to go on.
 constexpr double kWrong = 3;       ///< Times the median: a nearest point that is none.
 constexpr double kQuantile = 0.95;
+/// Smoothing has to lower the gap to this part, for it lowers that of coarse meshes a little.
+constexpr double kClearlyLess = 2.0 / 3;
 
 Places placesOf(const TriangleMesh& mesh) {
   Places places(3, mesh.vertexCount());
@@ -213,9 +215,9 @@ class Aligning {
         ShapeAlignment one;
         one.smoothing = length;
         one.of_second = of_second;
-        one.gap = best.gap;
+        one.gap = best.smoothing > 0 ? best.gap : kClearlyLess * best.gap;
         ASSIGN_OR_RETURN(const double gap, tryShapes(std::move(shapes), one));
-        if (gap < best.gap) best = std::move(one);
+        if (!one.points.empty()) best = std::move(one);
         if (gap > before) break;
         before = gap;
       }
