@@ -21,6 +21,9 @@ constexpr double kGoodDefect = 0.03;
 /// and is the better one unless the other's defect is this part of its own, or the distances left
 /// by the best Möbius map of space.
 constexpr double kMobiusShare = 0.5;
+/// Where it is none, so many different matches are refined to the end; the right one may be far
+/// down the list of those that the lowest modes tell.
+constexpr std::size_t kManyFinalists = 24;
 /// Matches of at most so much more defect than the best are told of.
 constexpr double kNearlyAsGood = 2;
 /// So many of them are compared.
@@ -119,35 +122,14 @@ class Guessing {
 
   Result<SpectralAnswer> run() {
     ASSIGN_OR_RETURN(Answers own, answersBy(MatchMethod::kNearIsometry));
-    std::vector<Answers*> all = {&own};
-    std::optional<Result<Answers>> mobius;
-    if (own.matches.empty() || own.matches.front().defect > kGoodDefect) {
-      mobius.emplace(answersBy(MatchMethod::kMobius));
-      RETURN_IF_ERROR(mobius->status());
-      all.push_back(&**mobius);
+    if (!own.matches.empty() && own.matches.front().defect <= kGoodDefect) {
+      return answerOf({&own}, own);
     }
-    std::vector<SpectralGuess> guesses;
-    std::vector<Answers*> by;
-    for (Answers* answers : all) {
-      if (answers->matches.empty()) continue;
-      ASSIGN_OR_RETURN(SpectralGuess guess, guessOf({answers, &answers->matches.front()}));
-      guesses.push_back(std::move(guess));
-      by.push_back(answers);
-    }
-    if (guesses.empty()) {
-      return Status(Reason::kNoConvergence,
-                    "no correspondence of the surfaces was found that keeps orientation",
-                    "--mirror looks for one that turns it over; --landmarks tells points that "
-                    "correspond");
-    }
-    const bool second = guesses.size() == 2 && isMobius(guesses.front(), guesses.back());
-    ASSIGN_OR_RETURN(const bool other, preferByShape(*(second ? by.back() : by.front())));
-    SpectralGuess& best = second ? guesses.back() : guesses.front();
-    if (other) {
-      const Answers& answers = second ? *by.back() : *by.front();
-      ASSIGN_OR_RETURN(best, guessOf({&answers, &answers.matches.front()}));
-    }
-    return answerOf(all, std::move(best));
+    ASSIGN_OR_RETURN(Answers mobius, answersBy(MatchMethod::kMobius));
+    ASSIGN_OR_RETURN(const bool is_mobius, isMobius(own, mobius));
+    if (is_mobius) return answerOf({&own, &mobius}, mobius);
+    RETURN_IF_ERROR(find(own, kManyFinalists));
+    return answerOf({&own, &mobius}, own);
   }
 
  private:
@@ -155,7 +137,7 @@ class Guessing {
   struct Answers {
     MatchMethod method = MatchMethod::kNearIsometry;
     SpectralPair surfaces;
-    std::vector<SpectralMatch> matches;
+    std::vector<SpectralMatch> matches = {};
     std::size_t alike = 0;  ///< So many of the first are nearly as good, and near the landmarks.
   };
   /// One of them.
@@ -169,17 +151,25 @@ class Guessing {
     ASSIGN_OR_RETURN(
         SpectralPair pair,
         spectralPair(context_, pair_, mobius ? MatchMetric::kMobius : MatchMetric::kOwn));
-    ASSIGN_OR_RETURN(std::vector<SpectralMatch> matches,
-                     matchSpectra(context_, pair.first, pair.second));
-    Answers answers{method, std::move(pair), std::move(matches)};
+    Answers answers{method, std::move(pair)};
+    RETURN_IF_ERROR(find(answers, SpectralMatchOptions().finalists));
+    return answers;
+  }
+
+  /// Fills in the matches.
+  Status find(Answers& answers, std::size_t finalists) {
+    SpectralMatchOptions options;
+    options.finalists = finalists;
+    const auto& [x, y] = answers.surfaces;
+    ASSIGN_OR_RETURN(answers.matches, matchSpectra(context_, x, y, options));
     const std::vector<SpectralMatch>& found = answers.matches;
+    answers.alike = 0;
     while (answers.alike < std::min(found.size(), kMostTried) &&
            (answers.alike == 0 ||
             found[answers.alike].defect < kNearlyAsGood * found.front().defect)) {
       ++answers.alike;
     }
-    if (!landmarks_.empty()) RETURN_IF_ERROR(preferByLandmarks(answers));
-    return answers;
+    return landmarks_.empty() ? Status() : preferByLandmarks(answers);
   }
 
   /// Puts the matches first that miss the landmarks least, of those nearly as good as the best.
@@ -203,32 +193,30 @@ class Guessing {
   }
 
   /// Puts the match first, of those that are alike, that changes the shape least, if that is
-  /// clearly less, and the others after it in that order; tells whether it did. Of closed surfaces.
-  Result<bool> preferByShape(Answers& answers) {
-    if (answers.alike < 2 || !isClosed(pair_.a)) return false;
+  /// clearly less. Of closed surfaces.
+  Status preferByShape(Answers& answers) {
+    std::vector<SpectralMatch>& matches = answers.matches;
+    if (answers.alike < 2 || !isClosed(pair_.a)) return {};
     const Context::Stage stage(context_, "compare");
     const Result<CoarseFit> fit =
         CoarseFit::make(context_, pair_.coarseA(), pair_.coarseB(), initial_delaunay_);
     RETURN_IF_ERROR(context_.check());
-    if (!fit.ok()) return false;
-    std::vector<std::pair<double, SpectralMatch>> changing(answers.alike);
-    parallelBlocks(answers.alike, 1, [&](std::size_t begin, std::size_t end) {
+    if (!fit.ok()) return {};
+    std::vector<double> changes(answers.alike);
+    parallelBlocks(changes.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t n = begin; n < end; ++n) {
         Context own = context_;
         own.setProgressSink({});
-        changing[n] = {changeOf(own, answers, n, *fit), answers.matches[n]};
+        changes[n] = changeOf(own, answers, n, *fit);
       }
     });
     RETURN_IF_ERROR(context_.check());
-    const auto less = [](const auto& x, const auto& y) { return x.first < y.first; };
-    const double first = changing.front().first;
-    std::stable_sort(changing.begin(), changing.end(), less);
+    const auto least = std::min_element(changes.begin(), changes.end()) - changes.begin();
     // Where the best by its modes has no coarse map, its shape is not known.
-    if (!std::isfinite(first) || !(changing.front().first < kClearlyLess * first)) return false;
-    for (std::size_t n = 0; n < changing.size(); ++n) {
-      answers.matches[n] = std::move(changing[n].second);
-    }
-    return true;
+    const double first = std::isfinite(changes.front()) ? changes.front() : 0;
+    if (!(changes[static_cast<std::size_t>(least)] < kClearlyLess * first)) return {};
+    std::rotate(matches.begin(), matches.begin() + least, matches.begin() + least + 1);
+    return {};
   }
 
   /// Infinite where there is no coarse map. Both parts are shares, each with a floor of its own
@@ -276,17 +264,29 @@ class Guessing {
     return std::sqrt(sum / static_cast<double>(landmarks_.size()));
   }
 
-  /// Whether the second guess is of surfaces that a Möbius map of space carries to each other. It
-  /// has 10 numbers, and the guess some hundred points: they do not agree by accident.
-  bool isMobius(const SpectralGuess& isometry, const SpectralGuess& mobius) const {
-    if (mobius.match.defect < kMobiusShare * isometry.match.defect) return true;
+  /// Whether the surfaces are such that a Möbius map of space carries to each other. It has 10
+  /// numbers, and a guess some hundred points: they do not agree by accident.
+  Result<bool> isMobius(const Answers& own, const Answers& mobius) {
+    if (own.matches.empty() || mobius.matches.empty()) return own.matches.empty();
+    const SpectralMatch &isometry = own.matches.front(), &match = mobius.matches.front();
+    if (match.defect < kMobiusShare * isometry.defect) return true;
     if (!isClosed(pair_.a)) return false;
-    const Result<SpaceMobiusFit> fit = mobiusOf(pair_, mobius), other = mobiusOf(pair_, isometry);
+    ASSIGN_OR_RETURN(const SpectralGuess guess, guessOf({&mobius, &match}));
+    const Result<SpaceMobiusFit> fit = mobiusOf(pair_, guess);
     if (!fit.ok() || !(fit->median < kNearMobius)) return false;
+    ASSIGN_OR_RETURN(const SpectralGuess other_guess, guessOf({&own, &isometry}));
+    const Result<SpaceMobiusFit> other = mobiusOf(pair_, other_guess);
     return !other.ok() || fit->median < kMobiusShare * other->median;
   }
 
-  Result<SpectralAnswer> answerOf(const std::vector<Answers*>& all, SpectralGuess best) {
+  Result<SpectralAnswer> answerOf(const std::vector<Answers*>& all, Answers& best) {
+    if (best.matches.empty()) {
+      return Status(Reason::kNoConvergence,
+                    "no correspondence of the surfaces was found that keeps orientation",
+                    "--mirror looks for one that turns it over; --landmarks tells points that "
+                    "correspond");
+    }
+    RETURN_IF_ERROR(preferByShape(best));
     const std::vector<Answer> ranked = ranking(all, best);
     if (wanted_ >= ranked.size()) {
       return Status(Reason::kInvalidOption,
@@ -300,24 +300,18 @@ class Guessing {
         answer.alternatives.push_back({ranked[i].by->method, ranked[i].match->defect});
       }
     }
-    answer.guess = std::move(best);
-    if (wanted_ > 0) {
-      ASSIGN_OR_RETURN(answer.guess, guessOf(ranked[wanted_]));
-    }
+    ASSIGN_OR_RETURN(answer.guess, guessOf(ranked[wanted_]));
     return answer;
   }
 
   /// The best, and those that are nearly as good or better by their defects.
-  static std::vector<Answer> ranking(const std::vector<Answers*>& all, const SpectralGuess& best) {
-    std::vector<Answer> ranked(1);
+  static std::vector<Answer> ranking(const std::vector<Answers*>& all, const Answers& best) {
+    const SpectralMatch& first = best.matches.front();
+    std::vector<Answer> ranked = {{&best, &first}};
     for (const Answers* answers : all) {
       for (const SpectralMatch& match : answers->matches) {
-        const Answer answer{answers, &match};
-        if (answers->method == best.method && &match == &answers->matches.front()) {
-          ranked.front() = answer;
-        } else if (match.defect < kNearlyAsGood * best.match.defect) {
-          ranked.push_back(answer);
-        }
+        if (&match == &first || !(match.defect < kNearlyAsGood * first.defect)) continue;
+        ranked.push_back({answers, &match});
       }
     }
     std::stable_sort(ranked.begin() + 1, ranked.end(), [](const Answer& x, const Answer& y) {
