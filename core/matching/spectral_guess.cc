@@ -32,7 +32,7 @@ constexpr std::size_t kMostTried = 8;
 constexpr double kClearlyFarther = 2;
 /// Of the rest, another one than the best by its modes has to change the shape by less than this
 /// part: one map found twice settles to changes that differ by some percent.
-constexpr double kClearlyLess = 0.9;
+constexpr double kClearlyLess = 0.95;
 
 /// Where surfaces lie on each other, so many modes are fitted to that at first; and a turn of the
 /// normal by one radian counts as much as this distance, in roots of the area.
@@ -198,8 +198,10 @@ class Guessing {
     std::vector<SpectralMatch>& matches = answers.matches;
     if (answers.alike < 2 || !isClosed(pair_.a)) return {};
     const Context::Stage stage(context_, "compare");
+    const TriangleMesh &a = pair_.coarseA(), &b = pair_.coarseB();
+    const bool back = b.vertexCount() < a.vertexCount();
     const Result<CoarseFit> fit =
-        CoarseFit::make(context_, pair_.coarseA(), pair_.coarseB(), initial_delaunay_);
+        CoarseFit::make(context_, back ? b : a, back ? a : b, initial_delaunay_);
     RETURN_IF_ERROR(context_.check());
     if (!fit.ok()) return {};
     std::vector<double> changes(answers.alike);
@@ -207,7 +209,7 @@ class Guessing {
       for (std::size_t n = begin; n < end; ++n) {
         Context own = context_;
         own.setProgressSink({});
-        changes[n] = changeOf(own, answers, n, *fit);
+        changes[n] = changeOf(own, answers, n, *fit, back);
       }
     });
     RETURN_IF_ERROR(context_.check());
@@ -219,15 +221,19 @@ class Guessing {
     return {};
   }
 
-  /// Infinite where there is no coarse map. Both parts are shares, each with a floor of its own
-  /// that the meshes' roughness sets: their product compares ratios, and weighs neither.
-  double changeOf(Context& context, const Answers& answers, std::size_t n,
-                  const CoarseFit& fit) const {
+  /// Infinite where there is no coarse map. Both parts have floors of their own that the meshes'
+  /// roughness sets: their product compares ratios, and weighs neither. back: of the map from b to
+  /// a. To the finer mesh, vertices go onto the surface, not onto chords of it.
+  double changeOf(Context& context, const Answers& answers, std::size_t n, const CoarseFit& fit,
+                  bool back) const {
     constexpr double kUnknown = std::numeric_limits<double>::infinity();
-    const auto& [x, y] = answers.surfaces;
-    const Result<SpectralMatch> match = withAllModes(context, x, y, answers.matches[n]);
+    const auto& [a, b] = answers.surfaces;
+    const Result<SpectralMatch> match = withAllModes(context, a, b, answers.matches[n]);
     if (!match.ok()) return kUnknown;
-    const auto points = correspondingPoints(context, x, y, match->functional);
+    const SpectralSurface &x = back ? b : a, &y = back ? a : b;
+    Eigen::MatrixXd functional = match->functional;
+    if (back) functional.transposeInPlace();  // Nearly its inverse.
+    const auto points = correspondingPoints(context, x, y, functional);
     if (!points.ok()) return kUnknown;
     std::optional<SpaceMobius> mobius;
     if (answers.method == MatchMethod::kMobius) {
