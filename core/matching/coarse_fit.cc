@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -9,7 +10,9 @@
 #include "core/matching/conformal_sphere.h"
 #include "core/matching/harmonic_match.h"
 #include "core/matching/homeomorphism.h"
+#include "core/matching/relaxation.h"
 #include "core/matching/settling.h"
+#include "core/matching/sphere_domain.h"
 #include "core/matching/thinned_surface.h"
 
 namespace moduli {
@@ -17,21 +20,32 @@ namespace {
 
 /// Enough for thin handles and limbs.
 constexpr Index kVertices = 1200;
+/// Of the places that modes tell, as SettlingOptions has it: a hundredth of the root of the area
+/// away costs as much as a thousandth of stretching. More of it keeps the errors of places that
+/// tell surfaces apart which are nearly round, or slide along themselves.
+constexpr double kPull = 0.01;
 /// So many pairs of points, evenly numbered, tell how spheres lie on each other.
 constexpr std::size_t kPairs = 200;
 
-using Positions = std::vector<Eigen::Vector3d>;
+using Eigen::Vector3d;
+using Positions = std::vector<Vector3d>;
 
 /// Weighted by the areas of faces; 0 where these have none.
 Positions vertexNormals(const Connectivity& surface, const Positions& positions) {
-  Positions normals(positions.size(), Eigen::Vector3d::Zero());
+  Positions normals(positions.size(), Vector3d::Zero());
   for (const Triangle& face : surface.faces()) {
-    const Eigen::Vector3d normal =
+    const Vector3d normal =
         (positions[face[1]] - positions[face[0]]).cross(positions[face[2]] - positions[face[0]]);
     for (const Index v : face) normals[v] += normal;
   }
-  for (Eigen::Vector3d& normal : normals) normal = normal.stableNormalized();
+  for (Vector3d& normal : normals) normal = normal.stableNormalized();
   return normals;
+}
+
+SettlingOptions settling() {
+  SettlingOptions options;
+  options.pull = kPull;
+  return options;
 }
 
 template <typename Values>
@@ -78,7 +92,7 @@ Result<ShapeChange> CoarseFit::operator()(Context& context, const std::vector<Su
                                           const std::optional<SpaceMobius>& mobius) const {
   Positions whole = a_.positions();
   if (mobius) {
-    for (Eigen::Vector3d& p : whole) p = (*mobius)(p);
+    for (Vector3d& p : whole) p = (*mobius)(p);
   }
   const Positions positions = chosen(whole, vertices_);
   std::optional<TriangleMesh> image;
@@ -105,7 +119,7 @@ Result<std::vector<SurfacePoint>> CoarseFit::fitted(
   if (!cover_) return fittedSphere(context, from, targets);
   ASSIGN_OR_RETURN(HarmonicMatch match, matchHarmonically(context, from.connectivity(),
                                                           from.edgeLengths(), *cover_, targets));
-  RETURN_IF_ERROR(settle(context, from, b_, *cover_, targets, match.map));
+  RETURN_IF_ERROR(settle(context, from, b_, *cover_, targets, match.map, settling()));
   return std::move(match.map.images);
 }
 
@@ -121,10 +135,34 @@ Result<std::vector<SurfacePoint>> CoarseFit::fittedSphere(
         {sphere_a_[v], spherePoint(b_.connectivity(), sphere_b_->points(), targets[v])});
   }
   ASSIGN_OR_RETURN(const Points3 start, broughtNear(sphere_a_, pairs));
-  ASSIGN_OR_RETURN(Homeomorphism map,
+  HomeomorphismOptions fitting;
+  fitting.last_smoothing = fitting.smoothing;  // Crumples need not be taken out: they count little.
+  ASSIGN_OR_RETURN(const Homeomorphism map,
                    fitHomeomorphism(context, {from.connectivity(), from.positions(), start},
-                                    {*sphere_b_, b_.positions()}, there));
-  return std::move(map.images);
+                                    {*sphere_b_, b_.positions()}, there, fitting));
+  return settled(context, from, targets, map.points);
+}
+
+Result<std::vector<SurfacePoint>> CoarseFit::settled(Context& context, const TriangleMesh& from,
+                                                     const std::vector<SurfacePoint>& targets,
+                                                     const Points3& points) const {
+  Positions positions = from.positions();
+  const double unit = std::sqrt(from.area());
+  for (Vector3d& p : positions) p /= unit;
+  const SphereDomain domain(*sphere_b_, b_.positions(), std::sqrt(b_.area()));
+  std::vector<Attraction> attractions;
+  for (const SurfacePoint& target : targets) {
+    const Image image = domain.at(target);
+    attractions.push_back({image.space, image, 1});
+  }
+  ASSIGN_OR_RETURN(RingMesh rings, RingMesh::make(from.connectivity()));
+  Relaxation map(std::move(rings), positions, domain, attractions);
+  const auto count = static_cast<Index>(points.size());
+  for (Index v = 0; v < count; ++v) map.setImage(v, domain.at(points[v]));
+  RETURN_IF_ERROR(settle(context, from.connectivity(), domain, attractions, map, settling()));
+  std::vector<SurfacePoint> images;
+  for (Index v = 0; v < count; ++v) images.push_back(map.image(v).point);
+  return images;
 }
 
 }  // namespace moduli

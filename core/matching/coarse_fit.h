@@ -45,6 +45,9 @@ class CoarseFit {
                                            const std::vector<SurfacePoint>& targets) const;
   Result<std::vector<SurfacePoint>> fittedSphere(Context& context, const TriangleMesh& from,
                                                  const std::vector<SurfacePoint>& targets) const;
+  Result<std::vector<SurfacePoint>> settled(Context& context, const TriangleMesh& from,
+                                            const std::vector<SurfacePoint>& targets,
+                                            const Points3& points) const;
 
   const TriangleMesh& a_;
   const TriangleMesh& b_;

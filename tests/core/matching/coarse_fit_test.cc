@@ -7,35 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "tests/core/matching/cover_samples.h"
+#include "tests/core/matching/nearly_symmetric.h"
 
 namespace moduli {
 namespace {
 
 using Eigen::Vector3d;
-
-/// A body that half turns about the axes would carry to itself, were it not for a bump, low and
-/// wide, beside all planes of symmetry.
-struct NearlySymmetric {
-  std::string sample;
-  Vector3d factors, bump;
-
-  TriangleSoup base(double resolution, double seed) const {
-    return *makeSample(sample, {{"resolution", resolution}, {"seed", seed}});
-  }
-  Vector3d operator()(const Vector3d& p, double height) const {
-    const double out = 1 + height * std::exp(-(p - bump).squaredNorm() / (0.5 * bump.norm()));
-    return out * factors.cwiseProduct(p);
-  }
-  TriangleMesh mesh(double resolution, double seed, double height) const {
-    TriangleSoup soup = base(resolution, seed);
-    for (Vector3d& p : soup.vertices) p = (*this)(p, height);
-    return meshOf(soup);
-  }
-};
-
-const NearlySymmetric kEgg = {"ellipsoid", {1.4, 1, 0.7}, {0.5, 0.5, 0.5}};
-const NearlySymmetric kRing = {"torus", {1.4, 1, 0.8}, {1.8, 1.2, 0.8}};
 
 const std::vector<Vector3d> kTurns = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
 
