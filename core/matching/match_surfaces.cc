@@ -97,7 +97,7 @@ class Matching {
     }
     ASSIGN_OR_RETURN(const MatchPair thinned, makeMatchPair(context_, a_, b_));
     Status status = correspond(thinned, same);
-    if (!status.ok() && (thinned.thin_a || thinned.thin_b) && couldBeThinning(status)) {
+    if (!status.ok() && (thinned.thin_a || thinned.thin_b) && mayBeOtherwise(status)) {
       result_ = SurfaceMatch();
       status = correspond({a_, b_}, same);
     }
@@ -106,8 +106,8 @@ class Matching {
   }
 
  private:
-  /// What may have another outcome on all vertices.
-  static bool couldBeThinning(const Status& status) {
+  /// What may have another outcome on all vertices, or from other points.
+  static bool mayBeOtherwise(const Status& status) {
     return status.reason() == Reason::kFoldedMap || status.reason() == Reason::kNoConvergence;
   }
 
@@ -171,6 +171,10 @@ class Matching {
         }
         SpectralGuess isometry = guess;
         isometry.method = MatchMethod::kNearIsometry;
+        const Status status = straightenNear(images, isometry);
+        if (status.ok() || !mayBeOtherwise(status)) return status;
+        // What Möbius maps keep is little where a surface is round or flat; lengths tell now.
+        ASSIGN_OR_RETURN(isometry, guessFromPlaces(context_, images, isometry));
         return straightenNear(images, isometry);
       }
     }

@@ -49,12 +49,20 @@ struct SpectralAnswer {
   std::vector<MatchAlternative> alternatives;
 };
 
-/// By either metric, whichever agrees better; of answers that are nearly as good, as symmetric
-/// surfaces have them, the one that misses the landmarks (exact and soft) least. options:
-/// `alternative` says which answer. Fails with kNoConvergence (no correspondence), kInvalidOption
-/// (no such answer), and as makeSpectralSurface and matchSpectra do.
+/// By either metric, whichever agrees better. Of answers that are nearly as good, as symmetric
+/// surfaces have them, those that miss the landmarks (exact and soft) least, and of these on closed
+/// surfaces the one that changes the shape least (CoarseFit); where that does not tell, the best by
+/// its modes. options: `alternative` says which answer. Stage: "compare". Fails with kNoConvergence
+/// (no correspondence), kInvalidOption (no such answer), and as makeSpectralSurface and
+/// matchSpectra do.
 Result<SpectralAnswer> guessSpectrally(Context& context, const MatchPair& pair,
                                        const MatchOptions& options);
+
+/// Another guess for surfaces that lie on each other in space, but for errors that modes even out:
+/// from where they are nearest, by their own metrics. pair: a where a map of space takes it. Fails
+/// as makeSpectralSurface does.
+Result<SpectralGuess> guessFromPlaces(Context& context, const MatchPair& pair,
+                                      const SpectralGuess& guess);
 
 /// The Möbius map of space nearest to a guess, its median over the root of b's area. Fails as
 /// fitSpaceMobius does.

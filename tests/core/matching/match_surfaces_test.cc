@@ -14,6 +14,7 @@
 #include "tests/bench/retrieval/remesh.h"
 #include "tests/core/matching/cover_samples.h"
 #include "tests/core/matching/lumps.h"
+#include "tests/core/matching/nearly_symmetric.h"
 #include "tests/core/matching/renumbered.h"
 #include "tests/core/testing.h"
 
@@ -361,6 +362,49 @@ TEST(MatchSurfaces, GivesEachAnswerOfASymmetricSurface) {
   const auto none = matchSurfaces(context, mesh, other, options);
   EXPECT_THAT(none, FailsWith(Reason::kInvalidOption));
   EXPECT_THAT(none.status().message(), testing::HasSubstr("answer 1000"));
+}
+
+// A bump of a twentieth alone tells it from its half turns, by which it would be off by half of its
+// width. One surface for every resolution and seed.
+TEST(MatchSurfaces, KnowsANearlySymmetricSurfaceFromItsTurns) {
+  for (const int seed : {1, 3, 5}) {
+    const TriangleMesh a = kEgg.mesh(10, seed, 0.05), b = kEgg.mesh(12, seed + 1, 0.05);
+    std::vector<Vector3d> truth;
+    for (const Vector3d& p : kEgg.base(10, seed).vertices) truth.push_back(kEgg(p, 0.05));
+    const SurfaceMatch found = match(a, b, surfacesAlone());
+    EXPECT_EQ(found.report.folded_faces, 0);
+    const double error = mean(errors(found, b, truth));
+    std::cout << "seed " << seed << ": mean error " << error << '\n';
+    EXPECT_LT(error, 0.02);  // Half an edge.
+  }
+}
+
+TEST(MatchSurfaces, KnowsANearlySymmetricMeshFromItsTurns) {
+  MODULI_NEED_SHARED_MESH(path, "genus2/ceaedf__eight.off");
+  Context context;
+  const auto soup = readMeshFile(context, path);
+  ASSERT_OK(soup);
+  const TriangleMesh a = meshOf(*soup), b = meshOf(simplified(*soup, soup->faces.size() / 4));
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  EXPECT_EQ(found.report.folded_faces, 0);
+  const double error = mean(errors(found, b, soup->vertices));
+  std::cout << "mean error " << error << '\n';
+  EXPECT_LT(error, 0.015);  // Half an edge of b; turned, it is beyond .2.
+}
+
+// Round and flat parts have no place of their own by what Möbius maps keep.
+TEST(MatchSurfaces, FindsTheImageOfAMeshWithRoundPartsUnderAnInversion) {
+  MODULI_NEED_SHARED_MESH(path, "genus3plus/ceaedf__genus3.off");
+  Context context;
+  const auto soup = readMeshFile(context, path);
+  ASSERT_OK(soup);
+  SampleRandom random(1);
+  const Renumbered other = renumbered(inverted(*soup, 0.5, random), 3);
+  const TriangleMesh a = meshOf(*soup), b = meshOf(other.soup);
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  EXPECT_EQ(found.method, MatchMethod::kMobius);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  EXPECT_LT(mean(errors(found, b, carried(other))), 1e-3);
 }
 
 // Tori of revolution have tau = i r / sqrt(R^2 - r^2): the distance of i s and i t is |log(s / t)|
