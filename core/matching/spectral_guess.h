@@ -50,8 +50,9 @@ struct SpectralAnswer {
 };
 
 /// By either metric, whichever agrees better. Of answers that are nearly as good, as symmetric
-/// surfaces have them, those that miss the landmarks (exact and soft) least, and of these on closed
-/// surfaces the one that changes the shape least (CoarseFit); where that does not tell, the best by
+/// surfaces have them, those whose boundaries miss each other least, of these those that miss the
+/// landmarks (exact and soft) least, and of these on closed surfaces the one that changes the shape
+/// least (CoarseFit); where that does not tell, the best by
 /// its modes. options: `alternative` says which answer. Stage: "compare". Fails with kNoConvergence
 /// (no correspondence), kInvalidOption (no such answer), and as makeSpectralSurface and
 /// matchSpectra do.
