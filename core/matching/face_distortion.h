@@ -45,10 +45,10 @@ class FaceDistortion {
   }
 
   /// Derivatives by corner 0 of the triangle after: the gradient, and the part of the Hessian that
-  /// is a sum of squares (Gauss and Newton). Added to what is given.
-  void differentiate(const SpaceTriangle& after, Eigen::Vector3d& gradient,
-                     Eigen::Matrix3d& hessian) const {
-    if (!(area_ > 0)) return;
+  /// is a sum of squares (Gauss and Newton). Added to what is given. Returns the energy.
+  double differentiate(const SpaceTriangle& after, Eigen::Vector3d& gradient,
+                       Eigen::Matrix3d& hessian) const {
+    if (!(area_ > 0)) return 0;
     const Eigen::Vector3d normal = (after[1] - after[0]).cross(after[2] - after[0]);
     const double b2 = floored(normal.squaredNorm() / 4), b = std::sqrt(b2);
     const double ratio = area_ * area_ / b2, stretched = stretch(after);
@@ -62,6 +62,7 @@ class FaceDistortion {
     hessian += (2 * ratio * stretched / b2) * by_b * by_b.transpose();
     const Eigen::Matrix3d mixed = (ratio / b) * (by_d * by_b.transpose());
     hessian -= mixed + mixed.transpose();
+    return stretched * (1 + ratio);
   }
 
  private:
