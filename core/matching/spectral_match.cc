@@ -179,8 +179,7 @@ class Aligner {
   Result<std::vector<SpectralMatch>> finish(std::vector<Candidate> maps) {
     const Context::Stage stage(context_, "refine");
     const SampledModes x = sampleModes(a_, a_.fine), y = sampleModes(b_, b_.fine);
-    for (Eigen::Index k = coarse_; k < middle_;) {
-      k = std::min(k + kFineStep, middle_);
+    for (Eigen::Index k = coarse_;; k = std::min(k + kFineStep, middle_)) {
       parallelBlocks(maps.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end && context_.check().ok(); ++i) {
           maps[i].maps = nearestSamples(x, y, maps[i].functional);
@@ -190,6 +189,7 @@ class Aligner {
       });
       RETURN_IF_ERROR(context_.check());
       std::stable_sort(maps.begin(), maps.end(), better);
+      if (k == middle_) break;
       if (2 * k >= middle_) {
         std::erase_if(maps, [least = maps.empty() ? 0 : maps.front().defect](const Candidate& c) {
           return c.defect > kHopeless * least;
