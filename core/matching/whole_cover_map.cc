@@ -19,9 +19,6 @@ using Eigen::Vector3d;
 
 /// Over all vertices: at every level, and at the last one.
 constexpr int kSweeps = 1, kLastSweeps = 2;
-/// Of Newton's step, in sweeps. Between 1, which is best for errors from vertex to vertex, and 2,
-/// which is best for smooth ones (Young 1954).
-constexpr double kOverRelaxation = 1.6;
 /// Twice a triangle's area in the plane over the square of its longest side: what is clearer of
 /// turning over than this need not be kept from it, and what is less so is not made.
 constexpr double kClear = 1e-3, kTooThin = 1e-9;
