@@ -30,7 +30,7 @@ constexpr double kNearlyAsGood = 2;
 constexpr std::size_t kMostTried = 8;
 /// Of those, landmarks leave the ones out that miss them by more than another one by this factor.
 constexpr double kClearlyFarther = 2;
-/// Of the rest, another one than the best by its modes has to change the shape by less than this
+/// Of the rest, those are left out that change the shape more than another one of less than this
 /// part: one map found twice settles to changes that differ by some percent.
 constexpr double kClearlyLess = 0.95;
 
@@ -192,8 +192,8 @@ class Guessing {
     return {};
   }
 
-  /// Puts the match first, of those that are alike, that changes the shape least, if that is
-  /// clearly less. Of closed surfaces.
+  /// Puts the match first, of those that are alike, that is the best by its modes of those that no
+  /// other changes the shape clearly less than. Of closed surfaces.
   Status preferByShape(Answers& answers) {
     std::vector<SpectralMatch>& matches = answers.matches;
     if (answers.alike < 2 || !isClosed(pair_.a)) return {};
@@ -213,11 +213,13 @@ class Guessing {
       }
     });
     RETURN_IF_ERROR(context_.check());
-    const auto least = std::min_element(changes.begin(), changes.end()) - changes.begin();
     // Where the best by its modes has no coarse map, its shape is not known.
-    const double first = std::isfinite(changes.front()) ? changes.front() : 0;
-    if (!(changes[static_cast<std::size_t>(least)] < kClearlyLess * first)) return {};
-    std::rotate(matches.begin(), matches.begin() + least, matches.begin() + least + 1);
+    if (!std::isfinite(changes.front())) return {};
+    const double least = *std::min_element(changes.begin(), changes.end());
+    const auto best = std::find_if(changes.begin(), changes.end(),
+                                   [&](double change) { return kClearlyLess * change <= least; }) -
+                      changes.begin();
+    std::rotate(matches.begin(), matches.begin() + best, matches.begin() + best + 1);
     return {};
   }
 
