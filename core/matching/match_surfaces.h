@@ -78,7 +78,9 @@ struct SurfaceMatch {
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
 /// keeps, whichever agrees better; where such a map is near the match, the first surface is taken
 /// through it and the rest is a near isometry. Closed surfaces that are neither, but lie on each
-/// other once the relief of one is smoothed away, are matched by that (shape_alignment.h). Closed
+/// other once the relief of one is smoothed away, are matched by that (shape_alignment.h). Of
+/// several matches that are nearly as good, as nearly symmetric surfaces have them, those are taken
+/// whose boundaries meet, and of closed surfaces the one that changes the shape least. Closed
 /// surfaces of many vertices (7500 and more) are thinned first: what is smooth is found on 5000 of
 /// them, and the map then comes back to all.
 ///

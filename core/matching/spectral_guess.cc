@@ -34,7 +34,7 @@ constexpr double kClearlyFarther = 2;
 /// Places that modes tell are so uneven, over the root of the area: boundaries that are nearer than
 /// this are met.
 constexpr double kUneven = 0.02;
-/// Of the rest, another one than the best by its modes has to change the shape by less than this
+/// Of the rest, those are left out that change the shape more than another one of less than this
 /// part: one map found twice settles to changes that differ by some percent.
 constexpr double kClearlyLess = 0.95;
 
@@ -226,8 +226,8 @@ class Guessing {
     return {};
   }
 
-  /// Puts the match first, of those that are alike, that changes the shape least, if that is
-  /// clearly less. Of closed surfaces.
+  /// Puts the match first, of those that are alike, that is the best by its modes of those that no
+  /// other changes the shape clearly less than. Of closed surfaces.
   Status preferByShape(Answers& answers) {
     std::vector<SpectralMatch>& matches = answers.matches;
     if (answers.alike < 2 || !isClosed(pair_.a)) return {};
@@ -247,11 +247,13 @@ class Guessing {
       }
     });
     RETURN_IF_ERROR(context_.check());
-    const auto least = std::min_element(changes.begin(), changes.end()) - changes.begin();
     // Where the best by its modes has no coarse map, its shape is not known.
-    const double first = std::isfinite(changes.front()) ? changes.front() : 0;
-    if (!(changes[static_cast<std::size_t>(least)] < kClearlyLess * first)) return {};
-    std::rotate(matches.begin(), matches.begin() + least, matches.begin() + least + 1);
+    if (!std::isfinite(changes.front())) return {};
+    const double least = *std::min_element(changes.begin(), changes.end());
+    const auto best = std::find_if(changes.begin(), changes.end(),
+                                   [&](double change) { return kClearlyLess * change <= least; }) -
+                      changes.begin();
+    std::rotate(matches.begin(), matches.begin() + best, matches.begin() + best + 1);
     return {};
   }
 
