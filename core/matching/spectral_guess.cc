@@ -33,6 +33,8 @@ constexpr double kClearlyFarther = 2;
 /// Of the rest, those are left out that change the shape more than another one of less than this
 /// part: one map found twice settles to changes that differ by some percent.
 constexpr double kClearlyLess = 0.95;
+/// Twice that of similarities (ShapeChange): less is no change.
+constexpr double kNoChange = 2e-5;
 
 /// Where surfaces lie on each other, so many modes are fitted to that at first; and a turn of the
 /// normal by one radian counts as much as this distance, in roots of the area.
@@ -238,7 +240,7 @@ class Guessing {
     if (!points.ok()) return kUnknown;
     const bool mobius = answers.method == MatchMethod::kMobius;
     const Result<ShapeChange> change = fit(context, *points, mobius);
-    return change.ok() ? change->product() : kUnknown;
+    return change.ok() ? std::max(change->product(), kNoChange) : kUnknown;
   }
 
   /// The root mean square distance of landmarks from where the nearest vertices go.
