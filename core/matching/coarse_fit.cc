@@ -12,6 +12,8 @@
 #include "core/matching/homeomorphism.h"
 #include "core/matching/relaxation.h"
 #include "core/matching/settling.h"
+#include "core/matching/space_mobius.h"
+#include "core/matching/spectral_guess.h"
 #include "core/matching/sphere_domain.h"
 #include "core/matching/thinned_surface.h"
 
@@ -24,6 +26,11 @@ constexpr Index kVertices = 1200;
 /// away costs as much as a thousandth of stretching. More of it keeps the errors of places that
 /// tell surfaces apart which are nearly round, or slide along themselves.
 constexpr double kPull = 0.01;
+/// How often a Möbius map of space is fitted at most, each time to a better map of the surface:
+/// what modes tell of one leaves a stretching of its own,
+constexpr int kMobiusRounds = 8;
+/// which has to fall by a tenth to go on.
+constexpr double kBetter = 0.9;
 /// So many pairs of points, evenly numbered, tell how spheres lie on each other.
 constexpr std::size_t kPairs = 200;
 
@@ -89,28 +96,51 @@ Result<CoarseFit> CoarseFit::make(Context& context, const TriangleMesh& a, const
 }
 
 Result<ShapeChange> CoarseFit::operator()(Context& context, const std::vector<SurfacePoint>& points,
-                                          const std::optional<SpaceMobius>& mobius) const {
-  Positions whole = a_.positions();
-  if (mobius) {
-    for (Vector3d& p : whole) p = (*mobius)(p);
+                                          bool mobius) const {
+  const TriangleMesh& from = thin_ ? *thin_ : a_;
+  std::vector<SurfacePoint> images = chosen(points, vertices_);
+  if (!mobius) {
+    ASSIGN_OR_RETURN(images, fitted(context, from, images));
+    return changeOf(a_.positions(), images);
   }
-  const Positions positions = chosen(whole, vertices_);
-  std::optional<TriangleMesh> image;
-  if (mobius) {
-    const TriangleMesh& mesh = thin_ ? *thin_ : a_;
-    ASSIGN_OR_RETURN(TriangleMesh there,
-                     TriangleMesh::fromSoup({positions, mesh.connectivity().faces()}));
-    image.emplace(std::move(there));
+  ShapeChange least;
+  for (int round = 0; round < kMobiusRounds; ++round) {
+    ASSIGN_OR_RETURN(const SpaceMobius map, mobiusNear(from, images));
+    Positions whole = a_.positions();
+    for (Vector3d& p : whole) p = map(p);
+    ASSIGN_OR_RETURN(
+        const TriangleMesh there,
+        TriangleMesh::fromSoup({chosen(whole, vertices_), from.connectivity().faces()}));
+    ASSIGN_OR_RETURN(images, fitted(context, there, images));
+    const ShapeChange change = changeOf(whole, images);
+    if (round > 0 && !(change.product() < kBetter * least.product())) break;
+    least = change;
   }
-  const TriangleMesh& from = image ? *image : thin_ ? *thin_ : a_;
-  ASSIGN_OR_RETURN(const std::vector<SurfacePoint> images,
-                   fitted(context, from, chosen(points, vertices_)));
+  return least;
+}
+
+Result<SpaceMobius> CoarseFit::mobiusNear(const TriangleMesh& from,
+                                          const std::vector<SurfacePoint>& images) const {
+  Positions some, places;
+  const std::size_t stride = std::max<std::size_t>(1, images.size() / kPairs);
+  for (std::size_t v = 0; v < images.size(); v += stride) {
+    some.push_back(from.positions()[v]);
+    places.push_back(spacePoint(b_.connectivity(), b_.positions(), images[v]));
+  }
+  ASSIGN_OR_RETURN(SpaceMobiusFit fit, fitSpaceMobius(some, places));
+  if (fit.median < kNearMobius * std::sqrt(b_.area())) return fit.map;
+  return Status(Reason::kNoConvergence, "no Möbius map of space is near the points");
+}
+
+ShapeChange CoarseFit::changeOf(const Positions& whole,
+                                const std::vector<SurfacePoint>& images) const {
   Positions places, normals;
   for (const SurfacePoint& point : images) {
     places.push_back(spacePoint(b_.connectivity(), b_.positions(), point));
     normals.push_back(spacePoint(b_.connectivity(), normals_b_, point).stableNormalized());
   }
-  return shapeChange(from.connectivity(), positions,
+  const TriangleMesh& from = thin_ ? *thin_ : a_;
+  return shapeChange(from.connectivity(), chosen(whole, vertices_),
                      chosen(vertexNormals(a_.connectivity(), whole), vertices_), places, normals);
 }
 

@@ -31,12 +31,13 @@ class CoarseFit {
   static Result<CoarseFit> make(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                 bool initial_delaunay);
 
-  /// points: per vertex of a its point of b, near a map that keeps orientation. mobius: a map of
-  /// space that a is taken through before. Fails as fitHomeomorphism, matchHarmonically and settle
+  /// points: per vertex of a its point of b, near a map that keeps orientation. mobius: but for the
+  /// Möbius map of space nearest to them, which a is taken through before. Fails with
+  /// kNoConvergence (no such map is near), and as fitHomeomorphism, matchHarmonically and settle
   /// do: then the points tell no map, or none on so few vertices. Several threads may ask at once.
-  /// As long as the fit of 1200 vertices.
+  /// As long as the fit of 1200 vertices; some times that with a Möbius map.
   Result<ShapeChange> operator()(Context& context, const std::vector<SurfacePoint>& points,
-                                 const std::optional<SpaceMobius>& mobius = {}) const;
+                                 bool mobius = false) const;
 
  private:
   CoarseFit(const TriangleMesh& a, const TriangleMesh& b) : a_(a), b_(b) {}
@@ -48,6 +49,11 @@ class CoarseFit {
   Result<std::vector<SurfacePoint>> settled(Context& context, const TriangleMesh& from,
                                             const std::vector<SurfacePoint>& targets,
                                             const Points3& points) const;
+
+  Result<SpaceMobius> mobiusNear(const TriangleMesh& from,
+                                 const std::vector<SurfacePoint>& images) const;
+  ShapeChange changeOf(const std::vector<Eigen::Vector3d>& whole,
+                       const std::vector<SurfacePoint>& images) const;
 
   const TriangleMesh& a_;
   const TriangleMesh& b_;

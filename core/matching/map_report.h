@@ -48,6 +48,10 @@ struct ShapeChange {
   /// Mean over edges, by their squared lengths: of the change of the normal curvature along the
   /// edge, times the root of the area, of either surface. An edge has 1e-2 at least. No unit.
   double bending = 0;
+
+  /// Both have floors of their own, which the meshes' roughness sets: their product compares
+  /// ratios, and weighs neither.
+  double product() const { return stretching * bending; }
 };
 
 /// positions, images: per vertex, as measureSpaceMap has them; normals, image_normals: of length 1,

@@ -37,6 +37,8 @@ constexpr double kUneven = 0.02;
 /// Of the rest, those are left out that change the shape more than another one of less than this
 /// part: one map found twice settles to changes that differ by some percent.
 constexpr double kClearlyLess = 0.95;
+/// Twice that of similarities (ShapeChange): less is no change.
+constexpr double kNoChange = 2e-5;
 
 /// Where surfaces lie on each other, so many modes are fitted to that at first; and a turn of the
 /// normal by one radian counts as much as this distance, in roots of the area.
@@ -257,9 +259,8 @@ class Guessing {
     return {};
   }
 
-  /// Infinite where there is no coarse map. Both parts have floors of their own that the meshes'
-  /// roughness sets: their product compares ratios, and weighs neither. back: of the map from b to
-  /// a. To the finer mesh, vertices go onto the surface, not onto chords of it.
+  /// Infinite where there is no coarse map. back: of the map from b to a. To the finer mesh,
+  /// vertices go onto the surface, not onto chords of it.
   double changeOf(Context& context, const Answers& answers, std::size_t n, const CoarseFit& fit,
                   bool back) const {
     constexpr double kUnknown = std::numeric_limits<double>::infinity();
@@ -271,19 +272,9 @@ class Guessing {
     if (back) functional.transposeInPlace();  // Nearly its inverse.
     const auto points = correspondingPoints(context, x, y, functional);
     if (!points.ok()) return kUnknown;
-    std::optional<SpaceMobius> mobius;
-    if (answers.method == MatchMethod::kMobius) {
-      std::vector<Eigen::Vector3d> from, to;
-      for (const Index v : x.coarse.vertices) {
-        from.push_back(x.mesh.positions()[v]);
-        to.push_back(spacePoint(y.mesh.connectivity(), y.mesh.positions(), (*points)[v]));
-      }
-      const Result<SpaceMobiusFit> near = fitSpaceMobius(from, to);
-      if (!near.ok() || !(near->median < kNearMobius * std::sqrt(y.mesh.area()))) return kUnknown;
-      mobius = near->map;
-    }
+    const bool mobius = answers.method == MatchMethod::kMobius;
     const Result<ShapeChange> change = fit(context, *points, mobius);
-    return change.ok() ? change->stretching * change->bending : kUnknown;
+    return change.ok() ? std::max(change->product(), kNoChange) : kUnknown;
   }
 
   /// The root mean square distance of landmarks from where the nearest vertices go.
