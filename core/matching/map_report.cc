@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -29,6 +30,97 @@ double dilatation(const Positions& positions, const Positions& images, const Tri
   }
   const double s = std::max(1.0, sum / (8 * area * image_area));
   return s + std::sqrt(s * s - 1);
+}
+
+constexpr double kMostLog = 6.9;  // Of a thousand.
+// Less does not tell maps apart: a thousandth of a length; a curvature that turns the normal by a
+// hundredth of a radian over the root of the area.
+constexpr double kLeastStretching = 1e-3, kLeastBending = 1e-2;
+
+/// Logarithms of both singular values, in the scale that leaves the whole area as it is; cut off.
+struct StretchedFace {
+  double area = 0;
+  std::array<double, 2> logs = {0, 0};
+};
+
+/// Of faces that have an area; none where either surface has none.
+std::vector<StretchedFace> stretchedFaces(const Connectivity& surface, const Positions& positions,
+                                          const Positions& images) {
+  double total = 0, image_total = 0;
+  for (const Triangle& face : surface.faces()) {
+    total += faceArea(positions, face);
+    image_total += faceArea(images, face);
+  }
+  std::vector<StretchedFace> faces;
+  if (!(total > 0) || !(image_total > 0)) return faces;
+  const auto cut = [](double value) {
+    return std::isnan(value) ? -kMostLog : std::clamp(value, -kMostLog, kMostLog);
+  };
+  for (const Triangle& face : surface.faces()) {
+    const double area = faceArea(positions, face);
+    if (!(area > 0)) continue;
+    const double log_k = std::log(dilatation(positions, images, face));
+    const double log_area = std::log(faceArea(images, face) / area * (total / image_total));
+    // Half of the sum and of the difference.
+    faces.push_back({area, {cut((log_area + log_k) / 2), cut((log_area - log_k) / 2)}});
+  }
+  return faces;
+}
+
+/// A geometric mean of weighted values, none of which counts less than the least.
+class LogMean {
+ public:
+  explicit LogMean(double least) : least_(least) {}
+  void add(double weight, double value) {
+    weight_ += weight;
+    sum_ += weight * std::log(std::max(value, least_));
+  }
+  double value() const { return weight_ > 0 ? std::exp(sum_ / weight_) : least_; }
+
+ private:
+  double least_, weight_ = 0, sum_ = 0;
+};
+
+double meanStretching(std::vector<StretchedFace> faces) {
+  const auto middle = [](const StretchedFace& face) { return (face.logs[0] + face.logs[1]) / 2; };
+  std::sort(faces.begin(), faces.end(),
+            [&](const StretchedFace& x, const StretchedFace& y) { return middle(x) < middle(y); });
+  double total = 0, below = 0, scale = 0;
+  for (const StretchedFace& face : faces) total += face.area;
+  for (const StretchedFace& face : faces) {
+    scale = middle(face);
+    below += face.area;
+    if (below >= total / 2) break;
+  }
+  LogMean mean(kLeastStretching);
+  for (const StretchedFace& face : faces) {
+    mean.add(face.area, std::hypot(face.logs[0] - scale, face.logs[1] - scale) / std::sqrt(2.0));
+  }
+  return mean.value();
+}
+
+double areaOf(const Connectivity& surface, const Positions& positions) {
+  double area = 0;
+  for (const Triangle& face : surface.faces()) area += faceArea(positions, face);
+  return area;
+}
+
+double meanBending(const Connectivity& surface, const Positions& positions,
+                   const Positions& normals, const Positions& images,
+                   const Positions& image_normals) {
+  const double unit = std::sqrt(areaOf(surface, positions)),
+               image_unit = std::sqrt(areaOf(surface, images));
+  LogMean mean(kLeastBending);
+  for (Index e = 0; e < surface.edgeCount(); ++e) {
+    const Index h = surface.halfedge(e), v = surface.tail(h), w = surface.head(h);
+    const Eigen::Vector3d side = positions[w] - positions[v], image = images[w] - images[v];
+    if (!(side.squaredNorm() > 0) || !(image.squaredNorm() > 0)) continue;
+    const double before = unit * (normals[w] - normals[v]).dot(side) / side.squaredNorm();
+    const double after =
+        image_unit * (image_normals[w] - image_normals[v]).dot(image) / image.squaredNorm();
+    mean.add(side.squaredNorm(), std::abs(after - before));
+  }
+  return mean.value();
 }
 
 }  // namespace
@@ -75,29 +167,22 @@ MapReport measureSpaceMap(const Connectivity& surface, const Positions& position
 
 double isometricDistortion(const Connectivity& surface, const Positions& positions,
                            const Positions& images) {
-  constexpr double kMostLog = 6.9;  // Of a thousand.
-  double total = 0, image_total = 0;
-  for (const Triangle& face : surface.faces()) {
-    total += faceArea(positions, face);
-    image_total += faceArea(images, face);
+  double total = 0, sum = 0, squares = 0;
+  for (const StretchedFace& face : stretchedFaces(surface, positions, images)) {
+    total += face.area;
+    sum += face.area * (face.logs[0] + face.logs[1]);
+    squares += face.area * (face.logs[0] * face.logs[0] + face.logs[1] * face.logs[1]);
   }
-  if (!(total > 0) || !(image_total > 0)) return 0;
-  double sum = 0, squares = 0;
-  for (const Triangle& face : surface.faces()) {
-    const double area = faceArea(positions, face);
-    if (!(area > 0)) continue;
-    const double log_k = std::log(dilatation(positions, images, face));
-    const double log_area = std::log(faceArea(images, face) / area * (total / image_total));
-    // Of the singular values: half of the sum and of the difference.
-    for (const double log_value : {(log_area + log_k) / 2, (log_area - log_k) / 2}) {
-      const double cut =
-          std::isnan(log_value) ? -kMostLog : std::clamp(log_value, -kMostLog, kMostLog);
-      sum += area * cut;
-      squares += area * cut * cut;
-    }
-  }
+  if (!(total > 0)) return 0;
   const double mean = sum / (2 * total);
   return std::sqrt(std::max(0.0, squares / (2 * total) - mean * mean));
+}
+
+ShapeChange shapeChange(const Connectivity& surface, const Positions& positions,
+                        const Positions& normals, const Positions& images,
+                        const Positions& image_normals) {
+  return {meanStretching(stretchedFaces(surface, positions, images)),
+          meanBending(surface, positions, normals, images, image_normals)};
 }
 
 double cycleError(const Connectivity& a, const Positions& positions,

@@ -38,6 +38,25 @@ double isometricDistortion(const Connectivity& surface,
                            const std::vector<Eigen::Vector3d>& positions,
                            const std::vector<Eigen::Vector3d>& images);
 
+/// How much a map changes a surface's shape, in geometric means: a map of half the change
+/// everywhere has half of it, whatever joints and crumples have of their own.
+struct ShapeChange {
+  /// Mean over the area: of the root mean square of the logarithms of both singular values, less
+  /// the middle one of all faces; each cut off as isometricDistortion does. A face has 1e-3 at
+  /// least: so have similarities. No unit.
+  double stretching = 0;
+  /// Mean over edges, by their squared lengths: of the change of the normal curvature along the
+  /// edge, times the root of the area, of either surface. An edge has 1e-2 at least. No unit.
+  double bending = 0;
+};
+
+/// positions, images: per vertex, as measureSpaceMap has them; normals, image_normals: of length 1,
+/// of the surfaces there. Faces and edges without extent are left out. O(F log F).
+ShapeChange shapeChange(const Connectivity& surface, const std::vector<Eigen::Vector3d>& positions,
+                        const std::vector<Eigen::Vector3d>& normals,
+                        const std::vector<Eigen::Vector3d>& images,
+                        const std::vector<Eigen::Vector3d>& image_normals);
+
 /// Mean distance in space from A's vertices to where they come back to, from A to B and back,
 /// weighted by the areas around them. to: per vertex of A, in B; back: per vertex of B, in A.
 double cycleError(const Connectivity& a, const std::vector<Eigen::Vector3d>& positions,

@@ -6,47 +6,17 @@
 #include "core/base/side_by_side.h"
 #include "core/forms/cotan.h"
 #include "core/intrinsic/mollify.h"
+#include "core/matching/conformal_sphere.h"
 #include "core/matching/homeomorphism.h"
-#include "core/matching/unfold_sphere.h"
 #include "core/matching/whole_map.h"
-#include "core/spherical/landmark_alignment.h"
 #include "core/spherical/landmark_map.h"
-#include "core/spherical/robust_map.h"
-#include "core/spherical/sphere_map.h"
 
 namespace moduli {
 namespace {
 
-/// Beside the mean squared distance of the landmarks: keeps the Möbius map from squeezing.
-constexpr double kRotationPreference = 0.001;
-
 /// Of what soft landmarks have made of a map: shorter than that of targets, for they are better
 /// known.
 constexpr double kSoftSmoothing = 0.02;
-
-struct Sphere {
-  std::vector<double> lengths;
-  Points3 points;
-};
-
-/// A conformal map without folded faces: the few that the robust one folds are moved.
-Result<Sphere> conformalSphere(Context& context, const TriangleMesh& mesh, bool initial_delaunay) {
-  const Connectivity& surface = mesh.connectivity();
-  ASSIGN_OR_RETURN(MollifiedLengths mollified, mollify(surface, mesh.edgeLengths()));
-  Sphere sphere;
-  sphere.lengths = unitLengths(mollified.lengths);
-  Result<SphereMap> map =
-      mapToSphereRobust(context, surface, sphere.lengths, mesh.positions(), initial_delaunay);
-  if (map.status().reason() == Reason::kNoConvergence) {
-    map = mapToSphereLinear(context, surface, sphere.lengths);
-  }
-  RETURN_IF_ERROR(map.status());
-  sphere.points = std::move(map->points);
-  if (map->quality.flipped_faces > 0) {
-    ASSIGN_OR_RETURN(sphere.points, unfoldSphere(context, mesh, std::move(sphere.points)));
-  }
-  return sphere;
-}
 
 class SphereMatching {
  public:
@@ -58,17 +28,19 @@ class SphereMatching {
     const bool near_isometry = guess_.method == MatchMethod::kNearIsometry;
     const bool coarse = near_isometry && pair_.thin_a.has_value();
     const TriangleMesh& from = coarse ? pair_.coarseA() : a_;
-    Result<Sphere> first = Sphere(), second = Sphere();
+    Result<ConformalSphere> first = ConformalSphere(), second = ConformalSphere();
     sideBySide(
         context_, [&](Context& context) { first = sphereOf(context, from); },
         [&](Context& context) { second = sphereOf(context, b_); });
     ASSIGN_OR_RETURN(sphere_a_, std::move(first));
-    ASSIGN_OR_RETURN(Sphere sphere_b, std::move(second));
+    ASSIGN_OR_RETURN(ConformalSphere sphere_b, std::move(second));
     ASSIGN_OR_RETURN(const SphereLocator locator,
                      SphereLocator::make(b_.connectivity(), std::move(sphere_b.points)));
     ASSIGN_OR_RETURN(Points3 points, align(locator, coarse));
     if (near_isometry) {
-      ASSIGN_OR_RETURN(points, fit(locator, from, std::move(points), targets(coarse), {}));
+      HomeomorphismOptions fitting;
+      if (guess_.by_shape) fitting.smoothing = fitting.last_smoothing = kShapeSmoothing;
+      ASSIGN_OR_RETURN(points, fit(locator, from, std::move(points), targets(coarse), fitting));
     }
     if (coarse) {
       ASSIGN_OR_RETURN(points, ofWhole(locator, points));
@@ -97,7 +69,7 @@ class SphereMatching {
   }
 
  private:
-  Result<Sphere> sphereOf(Context& context, const TriangleMesh& mesh) const {
+  Result<ConformalSphere> sphereOf(Context& context, const TriangleMesh& mesh) const {
     return conformalSphere(context, mesh, options_.initial_delaunay);
   }
 
@@ -108,12 +80,7 @@ class SphereMatching {
       pairs.push_back({sphere_a_.points[coarse ? i : guess_.vertices[i]],
                        spherePoint(b_.connectivity(), b.points(), guess_.points[i])});
     }
-    AlignmentOptions alignment;
-    alignment.rotation_preference = kRotationPreference;
-    ASSIGN_OR_RETURN(const LandmarkAlignment best, alignLandmarks(pairs, alignment));
-    Points3 points;
-    for (const Eigen::Vector3d& p : sphere_a_.points) points.push_back(best.map(p).normalized());
-    return points;
+    return broughtNear(sphere_a_.points, pairs);
   }
 
   std::vector<VertexTarget> targets(bool coarse) const {
@@ -176,7 +143,7 @@ class SphereMatching {
   const TriangleMesh& b_;
   const SpectralGuess& guess_;
   const MatchOptions& options_;
-  Sphere sphere_a_;
+  ConformalSphere sphere_a_;
 };
 
 }  // namespace

@@ -8,7 +8,9 @@
 #include <string>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/base/side_by_side.h"
+#include "core/matching/coarse_fit.h"
 #include "core/topology/surface_topology.h"
 
 namespace moduli {
@@ -19,12 +21,27 @@ constexpr double kGoodDefect = 0.03;
 /// and is the better one unless the other's defect is this part of its own, or the distances left
 /// by the best Möbius map of space.
 constexpr double kMobiusShare = 0.5;
+/// Where it is none, so many different matches are refined to the end; the right one may be far
+/// down the list of those that the lowest modes tell.
+constexpr std::size_t kManyFinalists = 24;
 /// Matches of at most so much more defect than the best are told of.
 constexpr double kNearlyAsGood = 2;
-/// So many of them are compared by landmarks; another one than the best by its modes has to miss
-/// them by less than this part.
+/// So many of them are compared.
 constexpr std::size_t kMostTried = 8;
-constexpr double kClearlyNearer = 0.5;
+/// Of those, boundaries and landmarks leave the ones out that miss them by more than another one by
+/// this factor.
+constexpr double kClearlyFarther = 2;
+/// Places that modes tell are so uneven, over the root of the area: boundaries that are nearer than
+/// this are met.
+constexpr double kUneven = 0.02;
+/// Of the rest, those are left out that change the shape more than another one of less than this
+/// part: one map found twice settles to changes that differ by some percent.
+constexpr double kClearlyLess = 0.95;
+
+/// Where surfaces lie on each other, so many modes are fitted to that at first; and a turn of the
+/// normal by one radian counts as much as this distance, in roots of the area.
+constexpr Eigen::Index kFirstModes = 20;
+constexpr double kNormalShare = 0.1;
 
 bool isClosed(const TriangleMesh& mesh) {
   return computeTopology(mesh.connectivity()).boundary_loops.empty();
@@ -55,50 +72,100 @@ Result<SpectralSurface> spectralOf(Context& context, const TriangleMesh& mesh,
   return makeSpectralSurface(context, thinned->mesh, metric, std::move(energies));
 }
 
+using SpectralPair = std::pair<SpectralSurface, SpectralSurface>;
+
+Result<SpectralPair> spectralPair(Context& context, const MatchPair& pair, MatchMetric metric) {
+  std::optional<Result<SpectralSurface>> first, second;
+  sideBySide(
+      context, [&](Context& own) { first.emplace(spectralOf(own, pair.a, pair.thin_a, metric)); },
+      [&](Context& own) { second.emplace(spectralOf(own, pair.b, pair.thin_b, metric)); });
+  RETURN_IF_ERROR(first->status());
+  RETURN_IF_ERROR(second->status());
+  return SpectralPair(**std::move(first), **std::move(second));
+}
+
+/// Fills in the rest of a guess from its match.
+Status locate(Context& context, const MatchPair& pair, const SpectralPair& surfaces,
+              SpectralGuess& guess) {
+  const auto& [x, y] = surfaces;
+  ASSIGN_OR_RETURN(guess.match, withAllModes(context, x, y, std::move(guess.match)));
+  guess.samples = x.coarse.vertices;
+  ASSIGN_OR_RETURN(guess.points, correspondingPoints(context, x, y, guess.match.functional));
+  if (pair.thin_b) guess.points = onWhole(pair.b, *pair.thin_b, guess.points);
+  if (pair.thin_a) {
+    guess.vertices = pair.thin_a->vertices;
+  } else {
+    guess.vertices.resize(guess.points.size());
+    std::iota(guess.vertices.begin(), guess.vertices.end(), 0);
+  }
+  return {};
+}
+
+/// Of the fine samples, where they are and which way the surface looks there: 6 x samples. The
+/// normals tell both sides of a thin part.
+Eigen::MatrixXd placesOf(const SpectralSurface& surface, double unit) {
+  Eigen::MatrixXd places(6, surface.fine.vertices.size());
+  for (Eigen::Index i = 0; i < places.cols(); ++i) {
+    const Index v = surface.fine.vertices[static_cast<std::size_t>(i)];
+    places.col(i) << surface.mesh.positions()[v] / unit, kNormalShare * surface.normals[v];
+  }
+  return places;
+}
+
+/// What vertices of the boundary have.
+std::vector<Eigen::Vector3d> boundaryOf(const TriangleMesh& mesh,
+                                        const std::vector<Eigen::Vector3d>& values) {
+  std::vector<Eigen::Vector3d> result;
+  for (const auto& loop : computeTopology(mesh.connectivity()).boundary_loops) {
+    for (const Index h : loop) result.push_back(values[mesh.connectivity().tail(h)]);
+  }
+  return result;
+}
+
+/// Of the squared distances of points from the nearest of others.
+double meanSquareGap(const std::vector<Eigen::Vector3d>& points,
+                     const std::vector<Eigen::Vector3d>& others) {
+  double sum = 0;
+  for (const Eigen::Vector3d& p : points) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& q : others) least = std::min(least, (p - q).squaredNorm());
+    sum += least;
+  }
+  return sum / static_cast<double>(points.size());
+}
+
 class Guessing {
  public:
   Guessing(Context& context, const MatchPair& pair, const MatchOptions& options)
       : context_(context),
         pair_(pair),
         wanted_(static_cast<std::size_t>(options.alternative)),
+        initial_delaunay_(options.initial_delaunay),
         landmarks_(options.landmarks) {
     landmarks_.insert(landmarks_.end(), options.soft_landmarks.begin(),
                       options.soft_landmarks.end());
   }
 
   Result<SpectralAnswer> run() {
-    ASSIGN_OR_RETURN(const Answers own, answersBy(MatchMethod::kNearIsometry));
-    std::vector<const Answers*> all = {&own};
-    std::optional<Result<Answers>> mobius;
-    if (own.matches.empty() || own.matches.front().defect > kGoodDefect) {
-      mobius.emplace(answersBy(MatchMethod::kMobius));
-      RETURN_IF_ERROR(mobius->status());
-      all.push_back(&**mobius);
+    ASSIGN_OR_RETURN(Answers own, answersBy(MatchMethod::kNearIsometry));
+    if (!own.matches.empty() && own.matches.front().defect <= kGoodDefect) {
+      return answerOf({&own}, own);
     }
-    std::vector<SpectralGuess> guesses;
-    for (const Answers* answers : all) {
-      if (answers->matches.empty()) continue;
-      ASSIGN_OR_RETURN(SpectralGuess guess, guessOf({answers, &answers->matches.front()}));
-      guesses.push_back(std::move(guess));
-    }
-    if (guesses.empty()) {
-      return Status(Reason::kNoConvergence,
-                    "no correspondence of the surfaces was found that keeps orientation",
-                    "--mirror looks for one that turns it over; --landmarks tells points that "
-                    "correspond");
-    }
-    const bool second = guesses.size() == 2 && isMobius(guesses.front(), guesses.back());
-    return answerOf(all, std::move(second ? guesses.back() : guesses.front()));
+    ASSIGN_OR_RETURN(Answers mobius, answersBy(MatchMethod::kMobius));
+    ASSIGN_OR_RETURN(const bool is_mobius, isMobius(own, mobius));
+    if (is_mobius) return answerOf({&own, &mobius}, mobius);
+    RETURN_IF_ERROR(find(own, kManyFinalists));
+    return answerOf({&own, &mobius}, own);
   }
 
  private:
-  using Pair = std::pair<SpectralSurface, SpectralSurface>;
-
   /// The matches by one metric, best first, and what they look at.
   struct Answers {
     MatchMethod method = MatchMethod::kNearIsometry;
-    Pair surfaces;
-    std::vector<SpectralMatch> matches;
+    SpectralPair surfaces;
+    std::vector<SpectralMatch> matches = {};
+    std::size_t alike =
+        0;  ///< So many of the first are nearly as good, and near landmarks and boundaries.
   };
   /// One of them.
   struct Answer {
@@ -106,50 +173,117 @@ class Guessing {
     const SpectralMatch* match = nullptr;
   };
 
-  Result<Pair> spectralPair(MatchMetric metric) {
-    std::optional<Result<SpectralSurface>> first, second;
-    sideBySide(
-        context_,
-        [&](Context& context) {
-          first.emplace(spectralOf(context, pair_.a, pair_.thin_a, metric));
-        },
-        [&](Context& context) {
-          second.emplace(spectralOf(context, pair_.b, pair_.thin_b, metric));
-        });
-    RETURN_IF_ERROR(first->status());
-    RETURN_IF_ERROR(second->status());
-    return Pair(**std::move(first), **std::move(second));
-  }
-
   Result<Answers> answersBy(MatchMethod method) {
     const bool mobius = method == MatchMethod::kMobius;
-    ASSIGN_OR_RETURN(Pair pair, spectralPair(mobius ? MatchMetric::kMobius : MatchMetric::kOwn));
-    ASSIGN_OR_RETURN(std::vector<SpectralMatch> matches,
-                     matchSpectra(context_, pair.first, pair.second));
-    Answers answers{method, std::move(pair), std::move(matches)};
-    if (!landmarks_.empty()) {
-      RETURN_IF_ERROR(preferByLandmarks(answers));
-    }
+    ASSIGN_OR_RETURN(
+        SpectralPair pair,
+        spectralPair(context_, pair_, mobius ? MatchMetric::kMobius : MatchMetric::kOwn));
+    Answers answers{method, std::move(pair)};
+    RETURN_IF_ERROR(find(answers, SpectralMatchOptions().finalists));
     return answers;
   }
 
-  /// Puts the match first that misses the landmarks least, of those nearly as good as the best.
-  Status preferByLandmarks(Answers& answers) {
-    std::vector<SpectralMatch>& matches = answers.matches;
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t n = 0; n < std::min(matches.size(), kMostTried); ++n) {
-      if (n > 0 && !(matches[n].defect < kNearlyAsGood * matches[0].defect)) break;
-      ASSIGN_OR_RETURN(const SpectralGuess guess, guessOf({&answers, &matches[n]}));
-      // What agrees up to the guess's own unevenness is decided by the defect.
-      const double miss = missOf(guess);
-      if (miss >= kClearlyNearer * least) continue;
-      least = miss;
-      best = n;
+  /// Fills in the matches.
+  Status find(Answers& answers, std::size_t finalists) {
+    SpectralMatchOptions options;
+    options.finalists = finalists;
+    const auto& [x, y] = answers.surfaces;
+    ASSIGN_OR_RETURN(answers.matches, matchSpectra(context_, x, y, options));
+    const std::vector<SpectralMatch>& found = answers.matches;
+    answers.alike = 0;
+    while (answers.alike < std::min(found.size(), kMostTried) &&
+           (answers.alike == 0 ||
+            found[answers.alike].defect < kNearlyAsGood * found.front().defect)) {
+      ++answers.alike;
     }
-    std::rotate(matches.begin(), matches.begin() + static_cast<std::ptrdiff_t>(best),
-                matches.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+    if (!isClosed(pair_.a)) {
+      RETURN_IF_ERROR(
+          preferNearer(answers, [this](const SpectralGuess& guess) { return gapOf(guess); }));
+    }
+    if (landmarks_.empty()) return {};
+    return preferNearer(answers, [this](const SpectralGuess& guess) { return missOf(guess); });
+  }
+
+  /// Puts the matches first that miss something least, of those nearly as good as the best.
+  /// What agrees up to the guess's own unevenness is not decided by that.
+  template <typename Miss>
+  Status preferNearer(Answers& answers, const Miss& missOf) {
+    if (answers.alike < 2) return {};
+    std::vector<std::pair<double, SpectralMatch>> missing;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t n = 0; n < answers.alike; ++n) {
+      ASSIGN_OR_RETURN(const SpectralGuess guess, guessOf({&answers, &answers.matches[n]}));
+      missing.emplace_back(missOf(guess), answers.matches[n]);
+      least = std::min(least, missing.back().first);
+    }
+    const auto farther = std::stable_partition(
+        missing.begin(), missing.end(),
+        [&](const auto& miss) { return miss.first <= kClearlyFarther * least; });
+    answers.alike = static_cast<std::size_t>(farther - missing.begin());
+    for (std::size_t n = 0; n < missing.size(); ++n) {
+      answers.matches[n] = std::move(missing[n].second);
+    }
     return {};
+  }
+
+  /// Puts the match first, of those that are alike, that is the best by its modes of those that no
+  /// other changes the shape clearly less than. Of closed surfaces.
+  Status preferByShape(Answers& answers) {
+    std::vector<SpectralMatch>& matches = answers.matches;
+    if (answers.alike < 2 || !isClosed(pair_.a)) return {};
+    const Context::Stage stage(context_, "compare");
+    const TriangleMesh &a = pair_.coarseA(), &b = pair_.coarseB();
+    const bool back = b.vertexCount() < a.vertexCount();
+    const Result<CoarseFit> fit =
+        CoarseFit::make(context_, back ? b : a, back ? a : b, initial_delaunay_);
+    RETURN_IF_ERROR(context_.check());
+    if (!fit.ok()) return {};
+    std::vector<double> changes(answers.alike);
+    parallelBlocks(changes.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
+        Context own = context_;
+        own.setProgressSink({});
+        changes[n] = changeOf(own, answers, n, *fit, back);
+      }
+    });
+    RETURN_IF_ERROR(context_.check());
+    // Where the best by its modes has no coarse map, its shape is not known.
+    if (!std::isfinite(changes.front())) return {};
+    const double least = *std::min_element(changes.begin(), changes.end());
+    const auto best = std::find_if(changes.begin(), changes.end(),
+                                   [&](double change) { return kClearlyLess * change <= least; }) -
+                      changes.begin();
+    std::rotate(matches.begin(), matches.begin() + best, matches.begin() + best + 1);
+    return {};
+  }
+
+  /// Infinite where there is no coarse map. Both parts have floors of their own that the meshes'
+  /// roughness sets: their product compares ratios, and weighs neither. back: of the map from b to
+  /// a. To the finer mesh, vertices go onto the surface, not onto chords of it.
+  double changeOf(Context& context, const Answers& answers, std::size_t n, const CoarseFit& fit,
+                  bool back) const {
+    constexpr double kUnknown = std::numeric_limits<double>::infinity();
+    const auto& [a, b] = answers.surfaces;
+    const Result<SpectralMatch> match = withAllModes(context, a, b, answers.matches[n]);
+    if (!match.ok()) return kUnknown;
+    const SpectralSurface &x = back ? b : a, &y = back ? a : b;
+    Eigen::MatrixXd functional = match->functional;
+    if (back) functional.transposeInPlace();  // Nearly its inverse.
+    const auto points = correspondingPoints(context, x, y, functional);
+    if (!points.ok()) return kUnknown;
+    std::optional<SpaceMobius> mobius;
+    if (answers.method == MatchMethod::kMobius) {
+      std::vector<Eigen::Vector3d> from, to;
+      for (const Index v : x.coarse.vertices) {
+        from.push_back(x.mesh.positions()[v]);
+        to.push_back(spacePoint(y.mesh.connectivity(), y.mesh.positions(), (*points)[v]));
+      }
+      const Result<SpaceMobiusFit> near = fitSpaceMobius(from, to);
+      if (!near.ok() || !(near->median < kNearMobius * std::sqrt(y.mesh.area()))) return kUnknown;
+      mobius = near->map;
+    }
+    const Result<ShapeChange> change = fit(context, *points, mobius);
+    return change.ok() ? change->stretching * change->bending : kUnknown;
   }
 
   /// The root mean square distance of landmarks from where the nearest vertices go.
@@ -172,17 +306,42 @@ class Guessing {
     return std::sqrt(sum / static_cast<double>(landmarks_.size()));
   }
 
-  /// Whether the second guess is of surfaces that a Möbius map of space carries to each other. It
-  /// has 10 numbers, and the guess some hundred points: they do not agree by accident.
-  bool isMobius(const SpectralGuess& isometry, const SpectralGuess& mobius) const {
-    if (mobius.match.defect < kMobiusShare * isometry.match.defect) return true;
+  /// The root mean square distance of the boundaries from each other, each one's vertices from the
+  /// other one's; at least what the modes' places are uneven.
+  double gapOf(const SpectralGuess& guess) const {
+    const std::vector<Eigen::Vector3d> there = boundaryOf(pair_.b, pair_.b.positions());
+    std::vector<Eigen::Vector3d> places;
+    for (const SurfacePoint& point : guess.points) {
+      places.push_back(spacePoint(pair_.b.connectivity(), pair_.b.positions(), point));
+    }
+    const std::vector<Eigen::Vector3d> images = boundaryOf(pair_.a, places);
+    const double gap = std::sqrt((meanSquareGap(images, there) + meanSquareGap(there, images)) / 2);
+    return std::max(gap, kUneven * std::sqrt(pair_.b.area()));
+  }
+
+  /// Whether the surfaces are such that a Möbius map of space carries to each other. It has 10
+  /// numbers, and a guess some hundred points: they do not agree by accident.
+  Result<bool> isMobius(const Answers& own, const Answers& mobius) {
+    if (own.matches.empty() || mobius.matches.empty()) return own.matches.empty();
+    const SpectralMatch &isometry = own.matches.front(), &match = mobius.matches.front();
+    if (match.defect < kMobiusShare * isometry.defect) return true;
     if (!isClosed(pair_.a)) return false;
-    const Result<SpaceMobiusFit> fit = mobiusOf(pair_, mobius), other = mobiusOf(pair_, isometry);
+    ASSIGN_OR_RETURN(const SpectralGuess guess, guessOf({&mobius, &match}));
+    const Result<SpaceMobiusFit> fit = mobiusOf(pair_, guess);
     if (!fit.ok() || !(fit->median < kNearMobius)) return false;
+    ASSIGN_OR_RETURN(const SpectralGuess other_guess, guessOf({&own, &isometry}));
+    const Result<SpaceMobiusFit> other = mobiusOf(pair_, other_guess);
     return !other.ok() || fit->median < kMobiusShare * other->median;
   }
 
-  Result<SpectralAnswer> answerOf(const std::vector<const Answers*>& all, SpectralGuess best) {
+  Result<SpectralAnswer> answerOf(const std::vector<Answers*>& all, Answers& best) {
+    if (best.matches.empty()) {
+      return Status(Reason::kNoConvergence,
+                    "no correspondence of the surfaces was found that keeps orientation",
+                    "--mirror looks for one that turns it over; --landmarks tells points that "
+                    "correspond");
+    }
+    RETURN_IF_ERROR(preferByShape(best));
     const std::vector<Answer> ranked = ranking(all, best);
     if (wanted_ >= ranked.size()) {
       return Status(Reason::kInvalidOption,
@@ -196,25 +355,18 @@ class Guessing {
         answer.alternatives.push_back({ranked[i].by->method, ranked[i].match->defect});
       }
     }
-    answer.guess = std::move(best);
-    if (wanted_ > 0) {
-      ASSIGN_OR_RETURN(answer.guess, guessOf(ranked[wanted_]));
-    }
+    ASSIGN_OR_RETURN(answer.guess, guessOf(ranked[wanted_]));
     return answer;
   }
 
   /// The best, and those that are nearly as good or better by their defects.
-  static std::vector<Answer> ranking(const std::vector<const Answers*>& all,
-                                     const SpectralGuess& best) {
-    std::vector<Answer> ranked(1);
+  static std::vector<Answer> ranking(const std::vector<Answers*>& all, const Answers& best) {
+    const SpectralMatch& first = best.matches.front();
+    std::vector<Answer> ranked = {{&best, &first}};
     for (const Answers* answers : all) {
       for (const SpectralMatch& match : answers->matches) {
-        const Answer answer{answers, &match};
-        if (answers->method == best.method && &match == &answers->matches.front()) {
-          ranked.front() = answer;
-        } else if (match.defect < kNearlyAsGood * best.match.defect) {
-          ranked.push_back(answer);
-        }
+        if (&match == &first || !(match.defect < kNearlyAsGood * first.defect)) continue;
+        ranked.push_back({answers, &match});
       }
     }
     std::stable_sort(ranked.begin() + 1, ranked.end(), [](const Answer& x, const Answer& y) {
@@ -224,25 +376,17 @@ class Guessing {
   }
 
   Result<SpectralGuess> guessOf(const Answer& answer) {
-    const auto& [x, y] = answer.by->surfaces;
     SpectralGuess guess;
     guess.method = answer.by->method;
-    ASSIGN_OR_RETURN(guess.match, withAllModes(context_, x, y, *answer.match));
-    guess.samples = x.coarse.vertices;
-    ASSIGN_OR_RETURN(guess.points, correspondingPoints(context_, x, y, guess.match.functional));
-    if (pair_.thin_b) guess.points = onWhole(pair_.b, *pair_.thin_b, guess.points);
-    if (pair_.thin_a) {
-      guess.vertices = pair_.thin_a->vertices;
-    } else {
-      guess.vertices.resize(guess.points.size());
-      std::iota(guess.vertices.begin(), guess.vertices.end(), 0);
-    }
+    guess.match = *answer.match;
+    RETURN_IF_ERROR(locate(context_, pair_, answer.by->surfaces, guess));
     return guess;
   }
 
   Context& context_;
   const MatchPair& pair_;
   std::size_t wanted_;
+  bool initial_delaunay_;
   std::vector<MatchLandmark> landmarks_;
 };
 
@@ -263,6 +407,21 @@ Result<MatchPair> makeMatchPair(Context& context, const TriangleMesh& a, const T
 Result<SpectralAnswer> guessSpectrally(Context& context, const MatchPair& pair,
                                        const MatchOptions& options) {
   return Guessing(context, pair, options).run();
+}
+
+Result<SpectralGuess> guessFromPlaces(Context& context, const MatchPair& pair,
+                                      const SpectralGuess& guess) {
+  ASSIGN_OR_RETURN(const SpectralPair surfaces, spectralPair(context, pair, MatchMetric::kOwn));
+  const auto& [x, y] = surfaces;
+  const double unit = std::sqrt(pair.b.area());
+  const SampledModes from = {placesOf(x, unit), {}}, to = {placesOf(y, unit), {}};
+  const SampleMaps maps = nearestSamples(from, to, Eigen::MatrixXd::Identity(6, 6));
+  const Eigen::Index modes = std::min({kFirstModes, x.values.size(), y.values.size()});
+  SpectralGuess other = guess;
+  other.match.functional =
+      fitFunctionalMap(sampleModes(x, x.fine), sampleModes(y, y.fine), maps, modes);
+  RETURN_IF_ERROR(locate(context, pair, surfaces, other));
+  return other;
 }
 
 Result<SpaceMobiusFit> mobiusOf(const MatchPair& pair, const SpectralGuess& guess) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/spherical/map_quality.h"
 #include "tests/core/spherical/sphere_testing.h"
 
@@ -43,6 +45,61 @@ TEST(MapReport, StretchHasItsRatio) {
   const MapReport report = measureSpaceMap(disk.connectivity(), disk.positions(), images);
   EXPECT_NEAR(report.mean_dilatation, 3, 1e-13);
   EXPECT_NEAR(report.max_dilatation, 3, 1e-13);
+}
+
+TEST(ShapeChange, IsAtItsFloorForSimilarities) {
+  const MappedSurface map = surfaces::roundSphere(5, 2);
+  std::vector<Eigen::Vector3d> images, normals;
+  for (const Eigen::Vector3d& p : map.points) {
+    normals.push_back(surfaces::rotation(1) * p);
+    images.push_back(7 * normals.back() + Eigen::Vector3d(1, 2, 3));
+  }
+  const ShapeChange change = shapeChange(map.surface(), map.points, map.points, images, normals);
+  EXPECT_NEAR(change.stretching, 1e-3, 1e-15);
+  EXPECT_NEAR(change.bending, 1e-2, 1e-15);
+}
+
+// Singular values e^t and e^-t everywhere; nothing is bent.
+TEST(ShapeChange, StretchHasItsLogarithm) {
+  const TriangleMesh disk = surfaces::mesh(surfaces::sample("disk", {{"resolution", 3}}));
+  std::vector<Eigen::Vector3d> images = disk.positions();
+  for (Eigen::Vector3d& p : images) p = Eigen::Vector3d(p.x() * 1.2, p.y() / 1.2, 0);
+  const std::vector<Eigen::Vector3d> up(images.size(), Eigen::Vector3d::UnitZ());
+  const ShapeChange change = shapeChange(disk.connectivity(), disk.positions(), up, images, up);
+  EXPECT_NEAR(change.stretching, std::log(1.2), 1e-13);
+  EXPECT_NEAR(change.bending, 1e-2, 1e-15);
+}
+
+// The chords of a sphere of radius R have the curvature 1 / R exactly, and -1 / R seen from within.
+TEST(ShapeChange, BendingIsTheChangeOfCurvatures) {
+  const MappedSurface map = surfaces::roundSphere(5, 2);
+  std::vector<Eigen::Vector3d> images, inwards;
+  for (const Eigen::Vector3d& p : map.points) {
+    images.push_back(3 * p);
+    inwards.push_back(-p);
+  }
+  const ShapeChange change = shapeChange(map.surface(), map.points, map.points, images, inwards);
+  EXPECT_NEAR(change.stretching, 1e-3, 1e-15);
+  const TriangleMesh mesh = *TriangleMesh::fromSoup({map.points, map.surface().faces()});
+  EXPECT_NEAR(change.bending, 2 * std::sqrt(mesh.area()), 1e-12);
+}
+
+// A tenth of the surface, however torn, multiplies a geometric mean by little.
+TEST(ShapeChange, IsHardlyThatOfAFewFaces) {
+  const TriangleMesh disk = surfaces::mesh(surfaces::sample("disk", {{"resolution", 12}}));
+  std::vector<Eigen::Vector3d> images = disk.positions(), torn;
+  for (Eigen::Vector3d& p : images) p = Eigen::Vector3d(p.x() * 1.02, p.y() / 1.02, 0);
+  torn = images;
+  torn[disk.connectivity().face(0)[0]] += Eigen::Vector3d(1, 1, 0);
+  const std::vector<Eigen::Vector3d> up(images.size(), Eigen::Vector3d::UnitZ());
+  const auto stretching = [&](const std::vector<Eigen::Vector3d>& to) {
+    return shapeChange(disk.connectivity(), disk.positions(), up, to, up).stretching;
+  };
+  // The share of its 6 faces times the logarithm of 350, the most by which one is worse.
+  const double share = 6.0 / static_cast<double>(disk.connectivity().faceCount());
+  EXPECT_LT(std::log(stretching(torn) / stretching(images)), 2 * share * std::log(350));
+  EXPECT_GT(isometricDistortion(disk.connectivity(), disk.positions(), torn),
+            2 * isometricDistortion(disk.connectivity(), disk.positions(), images));
 }
 
 TEST(CycleError, IsZeroForTheIdentityAndTheDistanceForAShift) {

@@ -8,12 +8,14 @@
 #include <set>
 
 #include "core/intrinsic/edge_graph.h"
+#include "core/mesh/prepare.h"
 #include "core/mesh/read.h"
 #include "core/spherical/sphere_locator.h"
 #include "tests/bench/retrieval/deform.h"
 #include "tests/bench/retrieval/remesh.h"
 #include "tests/core/matching/cover_samples.h"
 #include "tests/core/matching/lumps.h"
+#include "tests/core/matching/nearly_symmetric.h"
 #include "tests/core/matching/renumbered.h"
 #include "tests/core/testing.h"
 
@@ -127,6 +129,28 @@ TEST(MatchSurfaces, MatchesThinnedInversionsOfSpace) {
   EXPECT_LE(mean(error), 0.005);
   EXPECT_EQ(found.report.folded_faces, 0);
 }
+
+// Folded and inflated cortices are no near isometries, but lie in one place.
+class CortexPair : public testing::TestWithParam<bool> {};
+
+TEST_P(CortexPair, IsMatchedByItsSmoothedShapes) {
+  MODULI_NEED_SHARED_MESH(folded, "brain/nilearn__pial_left.ply");
+  MODULI_NEED_SHARED_MESH(inflated, "brain/nilearn__infl_left.ply");
+  Context context;
+  const TriangleMesh pial = meshOf(*readMeshFile(context, folded));
+  const TriangleMesh inflation = meshOf(moved(*readMeshFile(context, inflated)));
+  const TriangleMesh& a = GetParam() ? pial : inflation;
+  const TriangleMesh& b = GetParam() ? inflation : pial;
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  EXPECT_EQ(found.method, MatchMethod::kShape);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  const auto error = errors(found, b, b.positions());
+  std::cout << "mean " << mean(error) << ", nine in ten " << error[error.size() * 9 / 10] << '\n';
+  // In space the folded one's places are nearer to each other than along it.
+  EXPECT_LE(mean(error), 0.03);
+  EXPECT_LE(error[error.size() * 9 / 10], 0.1);
+}
+INSTANTIATE_TEST_SUITE_P(BothWays, CortexPair, testing::Bool());
 
 TEST(MatchSurfaces, DoesNotDependOnNumbersPlaceAndSize) {
   const TriangleSoup soup = lump(12, 1);
@@ -285,6 +309,31 @@ Index nearestVertex(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
   return nearest;
 }
 
+// An ellipsoid with a small hole off its planes of symmetry: four half turns are nearly as good.
+TriangleMesh punctured(int resolution, int seed) {
+  TriangleSoup soup = *makeSample("sphere", {{"resolution", static_cast<double>(resolution)},
+                                             {"seed", static_cast<double>(seed)}});
+  const Vector3d where = Vector3d(0.6, 0.5, 0.6).normalized();
+  std::erase_if(soup.faces, [&](const Triangle& face) {
+    return ((soup.vertices[face[0]] + soup.vertices[face[1]] + soup.vertices[face[2]]) / 3 - where)
+               .norm() < 0.15;
+  });
+  for (Vector3d& p : soup.vertices) p = p.cwiseProduct(Vector3d(1.5, 1, 0.7));
+  Context context;
+  return prepareMesh(context, soup, {})->mesh;
+}
+
+TEST(MatchSurfaces, LetsBoundariesDecideBetweenSymmetricAnswers) {
+  for (int seed = 1; seed <= 4; ++seed) {
+    const TriangleMesh a = punctured(10, seed), b = punctured(11, seed + 10);
+    const SurfaceMatch found = match(a, b);
+    EXPECT_EQ(found.report.folded_faces, 0);
+    // Wrong answers are off by a fourth of the size and more. Boundaries are zigzags of edges, 0.1
+    // long over a root of the area of 3.6: the map may be off by one, and less far from them.
+    EXPECT_LE(mean(errors(found, b, a.positions())), 0.03) << seed;
+  }
+}
+
 TEST(MatchSurfaces, LetsLandmarksDecideBetweenSymmetricAnswers) {
   const TriangleMesh mesh = ellipsoid(10, 3), other = ellipsoid(11, 5);
   // Beside all planes of symmetry.
@@ -339,6 +388,49 @@ TEST(MatchSurfaces, GivesEachAnswerOfASymmetricSurface) {
   const auto none = matchSurfaces(context, mesh, other, options);
   EXPECT_THAT(none, FailsWith(Reason::kInvalidOption));
   EXPECT_THAT(none.status().message(), testing::HasSubstr("answer 1000"));
+}
+
+// A bump of a twentieth alone tells it from its half turns, by which it would be off by half of its
+// width. One surface for every resolution and seed.
+TEST(MatchSurfaces, KnowsANearlySymmetricSurfaceFromItsTurns) {
+  for (const int seed : {1, 3, 5}) {
+    const TriangleMesh a = kEgg.mesh(10, seed, 0.05), b = kEgg.mesh(12, seed + 1, 0.05);
+    std::vector<Vector3d> truth;
+    for (const Vector3d& p : kEgg.base(10, seed).vertices) truth.push_back(kEgg(p, 0.05));
+    const SurfaceMatch found = match(a, b, surfacesAlone());
+    EXPECT_EQ(found.report.folded_faces, 0);
+    const double error = mean(errors(found, b, truth));
+    std::cout << "seed " << seed << ": mean error " << error << '\n';
+    EXPECT_LT(error, 0.02);  // Half an edge.
+  }
+}
+
+TEST(MatchSurfaces, KnowsANearlySymmetricMeshFromItsTurns) {
+  MODULI_NEED_SHARED_MESH(path, "genus2/ceaedf__eight.off");
+  Context context;
+  const auto soup = readMeshFile(context, path);
+  ASSERT_OK(soup);
+  const TriangleMesh a = meshOf(*soup), b = meshOf(simplified(*soup, soup->faces.size() / 4));
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  EXPECT_EQ(found.report.folded_faces, 0);
+  const double error = mean(errors(found, b, soup->vertices));
+  std::cout << "mean error " << error << '\n';
+  EXPECT_LT(error, 0.015);  // Half an edge of b; turned, it is beyond .2.
+}
+
+// Round and flat parts have no place of their own by what Möbius maps keep.
+TEST(MatchSurfaces, FindsTheImageOfAMeshWithRoundPartsUnderAnInversion) {
+  MODULI_NEED_SHARED_MESH(path, "genus3plus/ceaedf__genus3.off");
+  Context context;
+  const auto soup = readMeshFile(context, path);
+  ASSERT_OK(soup);
+  SampleRandom random(1);
+  const Renumbered other = renumbered(inverted(*soup, 0.5, random), 3);
+  const TriangleMesh a = meshOf(*soup), b = meshOf(other.soup);
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  EXPECT_EQ(found.method, MatchMethod::kMobius);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  EXPECT_LT(mean(errors(found, b, carried(other))), 1e-3);
 }
 
 // Tori of revolution have tau = i r / sqrt(R^2 - r^2): the distance of i s and i t is |log(s / t)|
