@@ -126,17 +126,6 @@ SampleMaps nearestSamples(const SampledModes& a, const SampledModes& b,
                         b.functions.topRows(k));
 }
 
-Result<MatrixXd> refineFunctionalMap(Context& context, const SampledModes& a, const SampledModes& b,
-                                     const std::vector<Eigen::Index>& steps, SampleMaps& maps) {
-  MatrixXd functional;
-  for (const Eigen::Index k : steps) {
-    RETURN_IF_ERROR(context.check());
-    functional = fitFunctionalMap(a, b, maps, k);
-    maps = nearestSamples(a, b, functional);
-  }
-  return functional;
-}
-
 double orthogonalityDefect(const MatrixXd& functional) {
   const Eigen::Index k = functional.rows();
   return (functional.transpose() * functional - MatrixXd::Identity(k, k)).squaredNorm() /

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/base/context.h"
 #include "core/matching/spectral_surface.h"
 
 /// Maps between surfaces as matrices between their modes, and their refinement.
@@ -28,23 +27,16 @@ struct SampleMaps {
 };
 
 /// The matrix that fits both maps best in the least squares, weighted by the areas of the samples.
+/// Both ways at once: a map one way alone may collapse, and nothing draws it apart again.
 /// k: at least 1, at most the modes of either. O(samples k^2).
 Eigen::MatrixXd fitFunctionalMap(const SampledModes& a, const SampledModes& b,
                                  const SampleMaps& maps, Eigen::Index k);
 
-/// Samples that are nearest to each other among the rows functions_a C and functions_b.
+/// Samples that are nearest to each other among the rows functions_a C and functions_b, as far as
+/// floats tell distances apart; the first of several.
 /// O(samples_a samples_b k).
 SampleMaps nearestSamples(const SampledModes& a, const SampledModes& b,
                           const Eigen::MatrixXd& functional);
-
-/// Refines a map: for every k of `steps` fits the functional map of k modes to the maps and takes
-/// the nearest samples under it. Both ways at once: a map one way alone may collapse, and nothing
-/// draws it apart again. Returns the last functional map; leaves its nearest samples in `maps`.
-/// Fails with kCancelled and kDeadlineExceeded.
-Result<Eigen::MatrixXd> refineFunctionalMap(Context& context, const SampledModes& a,
-                                            const SampledModes& b,
-                                            const std::vector<Eigen::Index>& steps,
-                                            SampleMaps& maps);
 
 /// |C^T C - 1|^2 / k in Frobenius's norm: 0 for isometries.
 double orthogonalityDefect(const Eigen::MatrixXd& functional);
@@ -56,7 +48,8 @@ class OrientationTest {
   /// modes: of the functional maps that will be asked about; at most those of either surface.
   OrientationTest(const SpectralSurface& a, const SpectralSurface& b, Eigen::Index modes);
 
-  /// From -1, a mirror image everywhere, to 1. maps: of the coarse samples.
+  /// From -1, a mirror image everywhere, to 1. functional: of at most so many modes. maps: of the
+  /// coarse samples.
   double operator()(const Eigen::MatrixXd& functional, const SampleMaps& maps) const;
 
  private:
