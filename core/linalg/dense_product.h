@@ -13,6 +13,10 @@ using Columns = Eigen::Ref<const Eigen::MatrixXd>;
 /// a^T b. a: n x p, b: n x q. 2 n p q operations.
 Eigen::MatrixXd transposedProduct(const Columns& a, const Columns& b);
 
+/// The same of floats: half the time where the result is only compared.
+Eigen::MatrixXf transposedProduct(const Eigen::Ref<const Eigen::MatrixXf>& a,
+                                  const Eigen::Ref<const Eigen::MatrixXf>& b);
+
 /// c + scale a b. a: n x p, b: p x q, c: n x q. 2 n p q operations.
 void addProduct(double scale, const Columns& a, const Columns& b, Eigen::MatrixXd& c);
 

@@ -11,12 +11,20 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kClosed = 1e-6;
-constexpr int kMostFaces = 20000;
+constexpr std::size_t kMostSteps = 20000;
+/// That are looked at to one face.
+constexpr int kMostWays = 6;
 constexpr int kMostDoublings = 24;
+/// Of a changed edge's length, that it costs at least.
+constexpr double kLeastShare = 0.05;
 
 bool isOpen(const std::vector<Motion>& transitions, Index f) {
   const Motion* t = &transitions[3 * f];
   return !(distanceToUnit(t[0] * t[1] * t[2]) < kClosed);
+}
+
+bool alike(const Motion& a, const Motion& b) {
+  return (a - b).cwiseAbs().maxCoeff() < kClosed * (1 + a.cwiseAbs().maxCoeff());
 }
 
 class LinkClosing {
@@ -27,17 +35,19 @@ class LinkClosing {
         plane_(plane),
         places_(places),
         transitions_(std::move(transitions)),
-        state_(surface.faceCount()) {}
+        last_(surface.faceCount(), kNone) {}
 
   Status run(Context& context) {
     std::vector<Index> open = openFaces(surface_, transitions_);
     if (open.empty()) return {};
     double limit = medianLength();
     for (int n = 0; n < kMostDoublings && !open.empty(); ++n, limit *= 2) {
+      bool goes_on = false;
       for (const Index f : open) {
         RETURN_IF_ERROR(context.check());
-        if (isOpen(transitions_, f)) close(f, limit);
+        if (isOpen(transitions_, f) && close(f, limit)) goes_on = true;
       }
+      if (!goes_on) break;
       std::erase_if(open, [&](Index f) { return !isOpen(transitions_, f); });
     }
     return {};
@@ -46,14 +56,18 @@ class LinkClosing {
   std::vector<Motion> take() { return std::move(transitions_); }
 
  private:
-  struct State {
-    int round = 0;
+  /// A face on a way that the search knows.
+  struct Step {
+    Index face = kNone;
     Index entry = kNone;  ///< Of the face, with a changed transition.
     Motion changed;
+    Index from = kNone;   ///< The step before.
+    Index other = kNone;  ///< Another one to this face.
   };
   struct Candidate {
     double cost = 0;
     Index entry = kNone;
+    Index from = kNone;
     Motion changed;
     bool operator<(const Candidate& other) const {
       return cost != other.cost ? cost > other.cost : entry > other.entry;
@@ -76,53 +90,85 @@ class LinkClosing {
     return plane_.wayTo(to_tail * transition * places_[surface_.head(h)]).norm();
   }
 
-  /// As the search has changed it at the entry of its face.
-  const Motion& transition(Index h) const {
-    const State& state = state_[h / 3];
-    return state.round == now_ && state.entry == h ? state.changed : transitions_[h];
+  const Motion& transition(const Step& step, Index h) const {
+    return step.entry == h ? step.changed : transitions_[h];
   }
 
   /// What would close the face of h.
-  Motion wanted(Index h) const {
-    const Motion others = transition(Connectivity::next(h)) * transition(Connectivity::previous(h));
-    return plane_.normalized(plane_.inverse(others));
+  Motion wanted(const Step& step, Index h) const {
+    return plane_.normalized(plane_.inverse(Motion(transition(step, Connectivity::next(h)) *
+                                                   transition(step, Connectivity::previous(h)))));
   }
 
-  void close(Index start, double limit) {
-    ++now_;
+  /// Whether this changed something, or a larger limit may do so.
+  bool close(Index start, double limit) {
     std::priority_queue<Candidate> queue;
-    state_[start] = {now_, kNone, Motion::Identity()};
-    leave(start, 0, queue);
-    for (int n = 0; n < kMostFaces && !queue.empty(); ++n) {
+    steps_.clear();
+    steps_.push_back({start, kNone, Motion::Identity(), kNone, kNone});
+    last_[start] = 0;
+    leave(0, 0, queue);
+    bool closed = false;
+    while (!queue.empty() && steps_.size() < kMostSteps && queue.top().cost <= limit) {
       const Candidate next = queue.top();
       queue.pop();
-      if (next.cost > limit) return;
+      if (isKnown(next)) continue;
       const Index f = next.entry / 3;
-      if (state_[f].round == now_) continue;
-      state_[f] = {now_, next.entry, next.changed};
-      if (distanceToUnit(transition(3 * f) * transition(3 * f + 1) * transition(3 * f + 2)) <
-          kClosed) {
-        apply(f);
-        return;
+      const auto step = static_cast<Index>(steps_.size());
+      steps_.push_back({f, next.entry, next.changed, next.from, last_[f]});
+      last_[f] = step;
+      const Step& here = steps_.back();
+      if (distanceToUnit(transition(here, 3 * f) * transition(here, 3 * f + 1) *
+                         transition(here, 3 * f + 2)) < kClosed) {
+        apply(step);
+        closed = true;
+        break;
       }
-      leave(f, next.cost, queue);
+      leave(step, next.cost, queue);
+    }
+    for (const Step& step : steps_) last_[step.face] = kNone;
+    return closed || (!queue.empty() && steps_.size() < kMostSteps);
+  }
+
+  /// Ways on both sides of a handle bring different motions to one face.
+  bool isKnown(const Candidate& next) const {
+    int count = 0;
+    for (Index s = last_[next.entry / 3]; s != kNone; s = steps_[s].other) {
+      if (++count == kMostWays || steps_[s].from == kNone) return true;
+      if (steps_[s].entry == next.entry && alike(steps_[s].changed, next.changed)) return true;
+    }
+    return false;
+  }
+
+  void leave(Index s, double cost, std::priority_queue<Candidate>& queue) const {
+    const Step& step = steps_[s];
+    for (Index h = 3 * step.face; h < 3 * step.face + 3; ++h) {
+      const Index entry = surface_.twin(h);
+      if (entry == kNone || h == step.entry || isOnWay(s, entry / 3)) continue;
+      const Motion changed = wanted(step, h);
+      queue.push({cost + costOf(h, changed), entry, s, plane_.inverse(changed)});
     }
   }
 
-  void leave(Index f, double cost, std::priority_queue<Candidate>& queue) const {
-    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-      const Index entry = surface_.twin(h);
-      if (entry == kNone || h == state_[f].entry || state_[entry / 3].round == now_) continue;
-      const Motion changed = wanted(h);
-      queue.push({cost + lengthOf(h, changed), entry, plane_.inverse(changed)});
+  /// An edge that went around the wrong side is hardly longer on the right one.
+  double costOf(Index h, const Motion& changed) const {
+    const double length = lengthOf(h, changed);
+    return std::max(0.0, length - lengthOf(h, transitions_[h])) + kLeastShare * length;
+  }
+
+  bool isOnWay(Index s, Index face) const {
+    if (last_[face] == kNone) return false;
+    for (; s != kNone; s = steps_[s].from) {
+      if (steps_[s].face == face) return true;
     }
+    return false;
   }
 
   /// Along the way back to the start.
-  void apply(Index f) {
-    for (Index h = state_[f].entry; h != kNone; h = state_[surface_.twin(h) / 3].entry) {
-      transitions_[h] = state_[h / 3].changed;
-      transitions_[surface_.twin(h)] = plane_.inverse(transitions_[h]);
+  void apply(Index s) {
+    for (; steps_[s].entry != kNone; s = steps_[s].from) {
+      const Step& step = steps_[s];
+      transitions_[step.entry] = step.changed;
+      transitions_[surface_.twin(step.entry)] = plane_.inverse(step.changed);
     }
   }
 
@@ -130,8 +176,8 @@ class LinkClosing {
   const CoverPlane& plane_;
   const std::vector<Vector3d>& places_;
   std::vector<Motion> transitions_;
-  std::vector<State> state_;  ///< Per face.
-  int now_ = 0;
+  std::vector<Step> steps_;  ///< Of the search, in the order in which they were reached.
+  std::vector<Index> last_;  ///< Per face the last step to it.
 };
 
 }  // namespace

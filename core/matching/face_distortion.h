@@ -30,8 +30,9 @@ class FaceDistortion {
     twice_area = std::max(side[1].cross(side[2]).norm(), 2e-6 * longest);
     area_ = twice_area / 2;
     if (!(twice_area > 0)) return;
+    const double inverse = 1 / twice_area;
     for (int c = 0; c < 3; ++c) {
-      cotangent_[c] = -side[(c + 1) % 3].dot(side[(c + 2) % 3]) / twice_area;
+      cotangent_[c] = -side[(c + 1) % 3].dot(side[(c + 2) % 3]) * inverse;
     }
   }
 
@@ -45,23 +46,24 @@ class FaceDistortion {
   }
 
   /// Derivatives by corner 0 of the triangle after: the gradient, and the part of the Hessian that
-  /// is a sum of squares (Gauss and Newton). Added to what is given.
-  void differentiate(const SpaceTriangle& after, Eigen::Vector3d& gradient,
-                     Eigen::Matrix3d& hessian) const {
-    if (!(area_ > 0)) return;
+  /// is a sum of squares (Gauss and Newton). Added to what is given. Returns the energy.
+  double differentiate(const SpaceTriangle& after, Eigen::Vector3d& gradient,
+                       Eigen::Matrix3d& hessian) const {
+    if (!(area_ > 0)) return 0;
     const Eigen::Vector3d normal = (after[1] - after[0]).cross(after[2] - after[0]);
-    const double b2 = floored(normal.squaredNorm() / 4), b = std::sqrt(b2);
-    const double ratio = area_ * area_ / b2, stretched = stretch(after);
+    const double inverse = 1 / std::sqrt(floored(normal.squaredNorm() / 4));
+    const double ratio = area_ * area_ * inverse * inverse, stretched = stretch(after);
     // D = a |J|^2 and b, by the corner.
     const Eigen::Vector3d by_d =
         cotangent_[1] * (after[0] - after[2]) + cotangent_[2] * (after[0] - after[1]);
-    const Eigen::Vector3d by_b = normal.cross(after[2] - after[1]) / (4 * b);
-    gradient += (1 + ratio) * by_d - (2 * ratio * stretched / b) * by_b;
-    const double rise = (1 + ratio) * std::max(0.0, cotangent_[1] + cotangent_[2]);
-    hessian.diagonal().array() += rise;
-    hessian += (2 * ratio * stretched / b2) * by_b * by_b.transpose();
-    const Eigen::Matrix3d mixed = (ratio / b) * (by_d * by_b.transpose());
-    hessian -= mixed + mixed.transpose();
+    const Eigen::Vector3d by_b = normal.cross(after[2] - after[1]) * (inverse / 4);
+    const double pull = ratio * stretched * inverse;
+    gradient += (1 + ratio) * by_d - 2 * pull * by_b;
+    hessian.diagonal().array() += (1 + ratio) * std::max(0.0, cotangent_[1] + cotangent_[2]);
+    // Of b twice, less what both have.
+    const Eigen::Vector3d rest = pull * inverse * by_b - ratio * inverse * by_d;
+    for (int c = 0; c < 3; ++c) hessian.col(c) += rest[c] * by_b + by_b[c] * rest;
+    return stretched * (1 + ratio);
   }
 
  private:

@@ -3,7 +3,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "core/linalg/dense_product.h"
 
@@ -17,39 +20,70 @@ using Eigen::VectorXd;
 /// Keeps fits of maps that collapsed to few samples solvable.
 constexpr double kRegularization = 1e-9;
 
-/// The place of the least entry, the first of several.
-Index leastOf(const double* values, Eigen::Index count) {
-  const double least = Eigen::Map<const VectorXd>(values, count).minCoeff();
-  return static_cast<Index>(std::find(values, values + count, least) - values);
+/// Distances are compared block by block of so many columns, which stay in the cache.
+constexpr Eigen::Index kColumns = 128;
+
+/// Under each column its place among a paraboloid's tangents: the products of those of two matrices
+/// are half the squared distances of the columns. Floats tell samples apart well enough.
+Eigen::MatrixXf lifted(const MatrixXd& columns, double sign) {
+  const Eigen::Index k = columns.rows();
+  Eigen::MatrixXf result(k + 2, columns.cols());
+  result.topRows(k) = (sign * columns).cast<float>();
+  const Eigen::RowVectorXf halves = (columns.colwise().squaredNorm() / 2).cast<float>();
+  result.row(sign > 0 ? k : k + 1) = halves;
+  result.row(sign > 0 ? k + 1 : k).setOnes();
+  return result;
+}
+
+/// Whole numbers in the order of floats: loops over them have no branches.
+using Keys = std::vector<std::int32_t>;
+
+void makeKeys(const float* values, Keys& keys) {
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const auto bits = std::bit_cast<std::int32_t>(values[i]);
+    keys[i] = bits ^ ((bits >> 31) & 0x7fffffff);
+  }
+}
+
+/// The place of the least key, the first of several.
+Index leastOf(const Keys& keys) {
+  const auto count = static_cast<Index>(keys.size());
+  const std::int32_t* const values = keys.data();
+  std::int32_t least = values[0];
+  for (Index i = 0; i < count; ++i) least = values[i] < least ? values[i] : least;
+  Index first = count;
+  for (Index i = 0; i < count; ++i) {
+    const Index here = values[i] == least ? i : count;
+    first = here < first ? here : first;
+  }
+  return first;
+}
+
+/// Takes a place for every key that is less than the least one so far.
+void takeLess(const Keys& keys, Index place, Keys& least, std::vector<Index>& places) {
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    places[i] = keys[i] < least[i] ? place : places[i];
+    least[i] = std::min(least[i], keys[i]);
+  }
 }
 
 /// For each column of one matrix the nearest of the other, both ways; the lowest of several.
 SampleMaps nearestColumns(const MatrixXd& from, const MatrixXd& to) {
-  const VectorXd from_squares = from.colwise().squaredNorm() / 2;
-  const VectorXd to_squares = to.colwise().squaredNorm() / 2;
-  // Half of |y - x|^2.
-  MatrixXd halves = -transposedProduct(to, from);
-  halves.colwise() += to_squares;
-  halves.rowwise() += from_squares.transpose();
+  const Eigen::MatrixXf source = lifted(from, -1), target = lifted(to, 1);
   SampleMaps nearest;
-  for (Eigen::Index i = 0; i < from.cols(); ++i) {
-    nearest.there.push_back(leastOf(halves.data() + i * halves.rows(), halves.rows()));
-  }
-  const MatrixXd turned = halves.transpose();
-  for (Eigen::Index j = 0; j < to.cols(); ++j) {
-    nearest.back.push_back(leastOf(turned.data() + j * turned.rows(), turned.rows()));
+  nearest.there.reserve(static_cast<std::size_t>(from.cols()));
+  nearest.back.assign(static_cast<std::size_t>(to.cols()), 0);
+  Keys keys(nearest.back.size()), least(keys.size(), std::numeric_limits<std::int32_t>::max());
+  for (Eigen::Index begin = 0; begin < from.cols(); begin += kColumns) {
+    const Eigen::Index width = std::min(kColumns, from.cols() - begin);
+    const Eigen::MatrixXf halves = transposedProduct(target, source.middleCols(begin, width));
+    for (Eigen::Index c = 0; c < width; ++c) {
+      makeKeys(halves.col(c).data(), keys);
+      nearest.there.push_back(leastOf(keys));
+      takeLess(keys, static_cast<Index>(begin + c), least, nearest.back);
+    }
   }
   return nearest;
-}
-
-/// The first modes at chosen samples, or at all in their order, times the roots of weights.
-void takeRows(const MatrixXd& functions, const std::vector<Index>& chosen, const VectorXd& weights,
-              Eigen::Ref<MatrixXd> rows) {
-  const Eigen::Index k = rows.cols();
-  for (Eigen::Index i = 0; i < weights.size(); ++i) {
-    const Eigen::Index from = chosen.empty() ? i : chosen[i];
-    rows.row(i) = functions.col(from).head(k).transpose() * std::sqrt(weights[i]);
-  }
 }
 
 }  // namespace
@@ -68,15 +102,21 @@ SampledModes sampleModes(const SpectralSurface& surface, const MatchSamples& sam
 
 MatrixXd fitFunctionalMap(const SampledModes& a, const SampledModes& b, const SampleMaps& maps,
                           Eigen::Index k) {
-  const Eigen::Index here = a.weights.size(), all = here + b.weights.size();
-  MatrixXd of_a(all, k), of_b(all, k);  // One row for each of both maps' pairs.
-  takeRows(a.functions, {}, a.weights, of_a.topRows(here));
-  takeRows(b.functions, maps.there, a.weights, of_b.topRows(here));
-  takeRows(a.functions, maps.back, b.weights, of_a.bottomRows(all - here));
-  takeRows(b.functions, {}, b.weights, of_b.bottomRows(all - here));
-  MatrixXd normal = transposedProduct(of_a, of_a);
+  // Pairs of both maps with the same sample of a are one equation.
+  VectorXd weights = a.weights;
+  MatrixXd there(a.weights.size(), k);
+  for (Eigen::Index i = 0; i < a.weights.size(); ++i) {
+    there.row(i) = a.weights[i] * b.functions.col(maps.there[i]).head(k).transpose();
+  }
+  for (Eigen::Index j = 0; j < b.weights.size(); ++j) {
+    const Index i = maps.back[j];
+    weights[i] += b.weights[j];
+    there.row(i) += b.weights[j] * b.functions.col(j).head(k).transpose();
+  }
+  const MatrixXd here = a.functions.topRows(k).transpose();
+  MatrixXd normal = transposedProduct(here, weights.asDiagonal() * here);
   normal.diagonal().array() += kRegularization;
-  return normal.ldlt().solve(transposedProduct(of_a, of_b));
+  return normal.ldlt().solve(transposedProduct(here, there));
 }
 
 SampleMaps nearestSamples(const SampledModes& a, const SampledModes& b,
@@ -136,8 +176,9 @@ OrientationTest::OrientationTest(const SpectralSurface& a, const SpectralSurface
 }
 
 double OrientationTest::operator()(const MatrixXd& functional, const SampleMaps& maps) const {
-  const MatrixXd to_space = functional * coordinates_;
-  const MatrixXd first = first_ * to_space, second = second_ * to_space;
+  const Eigen::Index k = functional.rows();
+  const MatrixXd to_space = functional * coordinates_.topRows(k);
+  const MatrixXd first = first_.leftCols(k) * to_space, second = second_.leftCols(k) * to_space;
   double sum = 0;
   for (Eigen::Index i = 0; i < first.rows(); ++i) {
     const Vector3d normal = Vector3d(first.row(i)).cross(Vector3d(second.row(i)));

@@ -7,6 +7,7 @@
 #include "core/matching/cover_inverse.h"
 #include "core/matching/landmark_flow.h"
 #include "core/matching/settling.h"
+#include "core/matching/sharpened_targets.h"
 #include "core/matching/whole_map.h"
 
 namespace moduli {
@@ -21,6 +22,13 @@ constexpr int kRounds = 4;
 /// Of what soft landmarks have made of a map: shorter than that of targets, for they are better
 /// known.
 constexpr double kSoftSmoothing = 0.02;
+/// Towards points known by their places: as fitHomeomorphism's over that length.
+constexpr double kShapePull = 4 / (kShapeSmoothing * kShapeSmoothing);
+
+/// Of sharpened targets, as kSoftSmoothing.
+constexpr double kSharpSmoothing = 0.02;
+/// Of more vertices the neighbourhoods would take too much memory.
+constexpr Index kMostSharpened = 2 * kThinnedVertices;
 
 using Landmarks = std::vector<MatchLandmark>;
 
@@ -64,13 +72,7 @@ class HandleMatching {
       : context_(context), pair_(pair), a_(pair.a), b_(pair.b), cover_(cover), options_(options) {}
 
   Result<HarmonicMatch> run(const SpectralGuess& guess) {
-    const TriangleMesh& from = pair_.coarseA();
-    ASSIGN_OR_RETURN(
-        HarmonicMatch match,
-        matchHarmonically(context_, from.connectivity(), from.edgeLengths(), cover_, guess.points));
-    if (guess.method == MatchMethod::kNearIsometry) {
-      RETURN_IF_ERROR(settle(context_, from, b_, cover_, guess.points, match.map));
-    }
+    ASSIGN_OR_RETURN(HarmonicMatch match, fit(guess));
     if (pair_.thin_a) {
       ASSIGN_OR_RETURN(match.map, mapWhole(context_, *pair_.thin_a, a_, b_, cover_, match.map));
     }
@@ -97,6 +99,40 @@ class HandleMatching {
   }
 
  private:
+  /// Of the coarse surface. Sharpened only where targets are at odds with each other, for most
+  /// surfaces have no limbs as thin as that.
+  Result<HarmonicMatch> fit(const SpectralGuess& guess) {
+    const TriangleMesh& from = pair_.coarseA();
+    const std::vector<double> lengths = from.edgeLengths();
+    const Result<TargetLinks> links =
+        linkTargets(context_, from.connectivity(), cover_, guess.points);
+    if (links.ok() || links.status().reason() != Reason::kNoConvergence ||
+        from.vertexCount() > kMostSharpened) {
+      RETURN_IF_ERROR(links.status());
+      ASSIGN_OR_RETURN(HarmonicMatch match,
+                       matchHarmonically(context_, from.connectivity(), lengths, cover_, *links));
+      return settled(guess, guess.points, std::move(match));
+    }
+    ASSIGN_OR_RETURN(const SharpTargets sharp, sharpenTargets(context_, from, b_, guess.points));
+    ASSIGN_OR_RETURN(
+        const TargetLinks sharp_links,
+        linkTargets(context_, from.connectivity(), cover_, sharp.vertices, sharp.ways));
+    ASSIGN_OR_RETURN(HarmonicMatch match,
+                     matchHarmonically(context_, from.connectivity(), lengths, cover_, sharp_links,
+                                       {kSharpSmoothing}));
+    return settled(guess, sharp.vertices, std::move(match));
+  }
+
+  Result<HarmonicMatch> settled(const SpectralGuess& guess, const std::vector<SurfacePoint>& points,
+                                HarmonicMatch match) {
+    if (guess.method == MatchMethod::kNearIsometry) {
+      SettlingOptions settling;
+      if (guess.by_shape) settling.pull = kShapePull;
+      RETURN_IF_ERROR(settle(context_, pair_.coarseA(), b_, cover_, points, match.map, settling));
+    }
+    return match;
+  }
+
   /// Where faces are about to fold, evening out makes room to go on.
   Result<HarmonicMatch> meet(HarmonicMatch match) {
     const std::vector<CoverLandmark> exact = onCover(options_.landmarks);

@@ -38,7 +38,9 @@ class SphereMatching {
                      SphereLocator::make(b_.connectivity(), std::move(sphere_b.points)));
     ASSIGN_OR_RETURN(Points3 points, align(locator, coarse));
     if (near_isometry) {
-      ASSIGN_OR_RETURN(points, fit(locator, from, std::move(points), targets(coarse), {}));
+      HomeomorphismOptions fitting;
+      if (guess_.by_shape) fitting.smoothing = fitting.last_smoothing = kShapeSmoothing;
+      ASSIGN_OR_RETURN(points, fit(locator, from, std::move(points), targets(coarse), fitting));
     }
     if (coarse) {
       ASSIGN_OR_RETURN(points, ofWhole(locator, points));

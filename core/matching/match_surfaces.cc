@@ -13,6 +13,7 @@
 #include "core/matching/match_handles.h"
 #include "core/matching/match_spheres.h"
 #include "core/matching/same_triangulation.h"
+#include "core/matching/shape_alignment.h"
 #include "core/matching/space_mobius.h"
 #include "core/matching/spectral_guess.h"
 #include "core/matching/split_surface.h"
@@ -25,6 +26,15 @@ namespace {
 /// One of several triangulations that agree is right if the spectral match is this much nearer to
 /// it than to any other.
 constexpr double kClearlyNearer = 0.5;
+/// Modes of a greater defect tell places badly: their errors are about a quarter of it and more,
+/// over the root of the area.
+constexpr double kPoorDefect = 0.03;
+/// Errors of places of shapes that lie on each other are about as long as the gap between them:
+/// they are taken where that is less than this part of the defect,
+constexpr double kShapeShare = 1.0 / 3;
+/// and of vertices that have no greater gap than this.
+constexpr double kNearShape = 0.03;
+
 std::string topologyText(const SurfaceTopology& topology) {
   const auto loops = topology.boundary_loops.size();
   return "genus " + std::to_string(topology.genus) +
@@ -104,7 +114,7 @@ class Matching {
   /// By what two surfaces, or what stands for them, tell.
   Status correspond(const MatchPair& pair, const std::vector<std::vector<Index>>& same) {
     ASSIGN_OR_RETURN(SpectralAnswer answer, guessSpectrally(context_, pair, options_));
-    const SpectralGuess& guess = answer.guess;
+    SpectralGuess& guess = answer.guess;
     if (const auto nearest = clearlyNearest(same, guess)) {
       setTriangulation(same[*nearest]);
       return {};
@@ -112,7 +122,32 @@ class Matching {
     result_.method = guess.method;
     result_.defect = guess.match.defect;
     result_.alternatives = std::move(answer.alternatives);
+    RETURN_IF_ERROR(preferShape(pair, guess));
     return straighten(pair, guess);
+  }
+
+  /// Takes the points of shapes that lie on each other, where the modes tell little.
+  Status preferShape(const MatchPair& pair, SpectralGuess& guess) {
+    if (guess.method != MatchMethod::kNearIsometry || !(guess.match.defect > kPoorDefect) ||
+        !isClosed()) {
+      return {};
+    }
+    std::vector<Eigen::Vector3d> targets;
+    for (const Index i : guess.samples) {
+      targets.push_back(spacePoint(b_.connectivity(), pair.b.positions(), guess.points[i]));
+    }
+    const double most = std::min(kNearShape, kShapeShare * guess.match.defect);
+    ASSIGN_OR_RETURN(
+        std::optional<ShapeAlignment> shape,
+        alignShapes(context_, pair.coarseA(), pair.coarseB(), guess.samples, targets, most));
+    if (!shape) return {};
+    if (pair.thin_b) shape->points = onWhole(pair.b, *pair.thin_b, shape->points);
+    for (std::size_t i = 0; i < guess.points.size(); ++i) {
+      if (shape->gaps[i] <= kNearShape) guess.points[i] = shape->points[i];
+    }
+    guess.by_shape = true;
+    result_.method = MatchMethod::kShape;
+    return {};
   }
 
   void setTriangulation(const std::vector<Index>& image) {

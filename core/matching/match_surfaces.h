@@ -43,6 +43,7 @@ enum class MatchMethod : std::uint8_t {
   kSameTriangulation,  ///< The meshes differ by numbering and places of vertices.
   kNearIsometry,       ///< By the surfaces' own metrics: bending changes little.
   kMobius,             ///< By what Möbius maps of space keep: nothing but angles agrees.
+  kShape,              ///< By where they are in space, the finer relief of one smoothed away.
 };
 
 /// Another answer that is nearly as good, as symmetric surfaces have them.
@@ -76,10 +77,12 @@ struct SurfaceMatch {
 /// A map from a onto b that is one to one and folds no face. Surfaces that differ by bending are
 /// matched by their metrics, surfaces that a Möbius map of space carries to each other by what it
 /// keeps, whichever agrees better; where such a map is near the match, the first surface is taken
-/// through it and the rest is a near isometry. Of several matches that are nearly as good, as
-/// nearly symmetric surfaces have them, closed surfaces take the one that changes the shape least.
-/// Closed surfaces of many vertices (7500 and more) are thinned first: what is smooth is found on
-/// 5000 of them, and the map then comes back to all.
+/// through it and the rest is a near isometry. Closed surfaces that are neither, but lie on each
+/// other once the relief of one is smoothed away, are matched by that (shape_alignment.h). Of
+/// several matches that are nearly as good, as nearly symmetric surfaces have them, those are taken
+/// whose boundaries meet, and of closed surfaces the one that changes the shape least. Closed
+/// surfaces of many vertices (7500 and more) are thinned first: what is smooth is found on 5000 of
+/// them, and the map then comes back to all.
 ///
 /// a, b: connected, of one genus and number of boundary loops. Boundaries are mapped onto each
 /// other: images of their vertices have a weight of 0 on an edge of the boundary, or 1 at a vertex

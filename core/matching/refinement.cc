@@ -1,5 +1,6 @@
 #include "core/matching/refinement.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -76,29 +77,29 @@ bool thinUntilTame(Relaxation& map, double wildest) {
   return thinUntil(map.mesh(), map.positions(), rule) && coversOnce(map);
 }
 
-Status restoreVertices(Context& context, Relaxation& map, Index wanted,
-                       const RefinementOptions& options) {
-  std::vector<Index> order = map.inSweepOrder();
-  auto next = static_cast<Index>(2 * order.size());
+Status restoreVertices(Context& context, Relaxation& map, Index wanted) {
   int chances = kChances;
   while (map.mesh().vertexCount() < wanted) {
-    if (order.size() % 4096 == 0) RETURN_IF_ERROR(context.check());
+    if (map.mesh().vertexCount() % 4096 == 0) RETURN_IF_ERROR(context.check());
     const RingMesh::Collapse undone = map.mesh().restore();
-    if (!map.place(undone.removed, undone.kept)) {
-      if (chances-- > 0 && makeRoom(map, undone)) {
-        order = map.inSweepOrder();
-        continue;
-      }
-      return {Reason::kFoldedMap,
-              "vertex " + std::to_string(undone.removed) +
-                  " finds no place that folds no face: the map is thinner there than doubles tell "
-                  "apart"};
-    }
-    order.push_back(undone.removed);
-    if (map.mesh().vertexCount() < next && map.mesh().vertexCount() < wanted) continue;
+    if (map.place(undone.removed, undone.kept)) continue;
+    if (chances-- > 0 && makeRoom(map, undone)) continue;
+    return {Reason::kFoldedMap,
+            "vertex " + std::to_string(undone.removed) +
+                " finds no place that folds no face: the map is thinner there than doubles tell "
+                "apart"};
+  }
+  return {};
+}
+
+Status restoreVertices(Context& context, Relaxation& map, Index wanted,
+                       const RefinementOptions& options) {
+  while (map.mesh().vertexCount() < wanted) {
+    const Index next = std::min(2 * map.mesh().vertexCount(), wanted);
+    RETURN_IF_ERROR(restoreVertices(context, map, next));
+    const std::vector<Index> order = map.inSweepOrder();
     for (const Index v : order) map.jump(v);
     RETURN_IF_ERROR(map.relaxAll(context, order, options.sweeps, options.tolerance));
-    next *= 2;
   }
   return {};
 }

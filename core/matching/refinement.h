@@ -27,8 +27,11 @@ bool isAllTame(const Relaxation& map, double wildest);
 bool thinUntilTame(Relaxation& map, double wildest = kWild);
 
 /// Puts vertices back into the map's mesh until there are `wanted`, each where it costs least in
-/// the kernel of its ring, and relaxes. Fails with kFoldedMap where a vertex finds no place among
-/// doubles, not even when others are taken out again.
+/// the kernel of its ring. Fails with kFoldedMap where a vertex finds no place among doubles, not
+/// even when others are taken out again.
+Status restoreVertices(Context& context, Relaxation& map, Index wanted);
+
+/// The same, and relaxes all whenever there are twice as many.
 Status restoreVertices(Context& context, Relaxation& map, Index wanted,
                        const RefinementOptions& options);
 

@@ -46,6 +46,14 @@ struct Relaxation::Star {
   double mass = 0;  ///< A third of their area.
 };
 
+/// Of Newton's method.
+struct Relaxation::Step {
+  Eigen::Vector3d way;
+  double longest = 0;   ///< That it may be.
+  double energy = 0;    ///< Before it.
+  double expected = 0;  ///< That it gains where the energy is quadratic.
+};
+
 Relaxation::Star Relaxation::starOf(Index v) const {
   Star star;
   const std::vector<Index>& ring = mesh_.ring(v);
@@ -96,18 +104,22 @@ double Relaxation::energy(const Star& star, Index v, const Image& image) const {
   return sum;
 }
 
-Eigen::Vector3d Relaxation::newtonStep(const Star& star, Index v, double& expected) const {
+Relaxation::Step Relaxation::newtonStep(const Star& star, Index v) const {
   const std::vector<Index>& ring = mesh_.ring(v);
   const Image& here = images_[v];
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  Step result;
+  result.energy = pullEnergy(star.mass, v, here.space);
   double longest = 0;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Index a = ring[i], b = ring[i + 1 == ring.size() ? 0 : i + 1];
-    star.faces[i].differentiate({here.space, images_[a].space, images_[b].space}, gradient,
-                                hessian);
-    if (a != mesh_.pole()) longest = std::max(longest, (images_[a].space - here.space).norm());
+    result.energy += star.faces[i].differentiate({here.space, images_[a].space, images_[b].space},
+                                                 gradient, hessian);
+    if (a == mesh_.pole()) continue;
+    longest = std::max(longest, (images_[a].space - here.space).squaredNorm());
   }
+  result.longest = 2 * std::sqrt(longest);
   const Attraction& to = (*attractions_)[v];
   const Eigen::Vector3d away = here.space - to.place;
   const double s2 = scale_ * scale_, share = s2 / (s2 + away.squaredNorm());
@@ -115,12 +127,10 @@ Eigen::Vector3d Relaxation::newtonStep(const Star& star, Index v, double& expect
   const double pull = mesh_.isHeld(v) ? full * kHold : full * share * share;
   gradient += pull * away;
   hessian.diagonal().array() += pull;
-  const Eigen::Vector3d step =
-      mesh_.isRim(v) ? stepAlong(domain_->rimTangent(here), gradient, hessian)
-                     : stepInPlane(domain_->normal(here.point.face), gradient, hessian);
-  expected = -gradient.dot(step) / 2;
-  const double length = step.norm();
-  return length > 2 * longest ? Eigen::Vector3d(step * (2 * longest / length)) : step;
+  result.way = mesh_.isRim(v) ? stepAlong(domain_->rimTangent(here), gradient, hessian)
+                              : stepInPlane(domain_->normal(here.point.face), gradient, hessian);
+  result.expected = -gradient.dot(result.way) / 2;
+  return result;
 }
 
 Image Relaxation::moved(Index v, const Eigen::Vector3d& step) const {
@@ -140,23 +150,22 @@ bool Relaxation::fix(Index v) {
   return true;
 }
 
-double Relaxation::relax(Index v) {
+double Relaxation::relax(Index v, double times) {
   if (v == mesh_.pole()) return 0;
   if (mesh_.isHeld(v) && (isFixed(v) || fix(v))) return 0;
   const Star star = starOf(v);
-  double expected = 0;
-  Eigen::Vector3d step = newtonStep(star, v, expected);
-  const double before = energy(star, v, images_[v]);
+  const Step newton = newtonStep(star, v);
   // Smaller gains drown in the rounding of the sum.
-  const double enough = 1e-13 * before;
-  if (!(expected > enough)) return 0;
-  double clear = -1;
+  const double enough = 1e-13 * newton.energy;
+  if (!(newton.expected > enough)) return 0;
+  Eigen::Vector3d step = times * newton.way;
+  if (const double length = step.norm(); length > newton.longest) step *= newton.longest / length;
   for (int halving = 0; halving < 5; ++halving, step /= 3) {
     Image trial = moved(v, step);
-    const double gain = before - energy(star, v, trial);
+    const double gain = newton.energy - energy(star, v, trial);
     if (!(gain > enough)) continue;
-    if (clear < 0) clear = clearance(v, images_[v]);
-    if (const double then = clearance(v, trial); then < clear || !(then > 0)) continue;
+    const double then = clearance(v, trial);
+    if (!(then > 0) || (then < kClear && then < clearance(v, images_[v]))) continue;
     images_[v] = std::move(trial);
     return gain;
   }
@@ -232,7 +241,7 @@ void Relaxation::relaxNear(const std::vector<Index>& vertices, int sweeps, doubl
 
 Status Relaxation::relaxAll(Context& context, const std::vector<Index>& order, int sweeps,
                             double tolerance) {
-  double left = excess(order);
+  double left = tolerance > 0 ? excess(order) : 0;
   // Vertices that have come to rest sleep until a neighbour moves.
   for (const Index v : order) awake_[v] = 1;
   const double rest = restingGain(tolerance);

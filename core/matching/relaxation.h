@@ -57,10 +57,10 @@ class Relaxation {
     scale_ = scale;
   }
 
-  /// Moves a vertex by a step of Newton's method in the surface, halved until its faces stay
-  /// positive and their energy falls; not at all where that does not happen. Returns by how much it
-  /// fell. O(degree).
-  double relax(Index v);
+  /// Moves a vertex by a step of Newton's method in the surface, so many times as long, and shorter
+  /// until its faces stay positive and their energy falls; not at all where that does not happen.
+  /// Returns by how much it fell. O(degree).
+  double relax(Index v, double times = 1);
 
   /// Moves a vertex to its attraction where its faces stay positive and their energy falls.
   void jump(Index v);
@@ -91,6 +91,7 @@ class Relaxation {
 
  private:
   struct Star;
+  struct Step;
   /// By how much a vertex must lower the energy to disturb its neighbours.
   double restingGain(double tolerance) const;
   Star starOf(Index v) const;
@@ -101,8 +102,7 @@ class Relaxation {
   Image moved(Index v, const Eigen::Vector3d& step) const;
   double energy(const Star& star, Index v, const Image& image) const;
   double pullEnergy(double mass, Index v, const Eigen::Vector3d& at) const;
-  /// expected: set to the energy that it gains where the energy is quadratic.
-  Eigen::Vector3d newtonStep(const Star& star, Index v, double& expected) const;
+  Step newtonStep(const Star& star, Index v) const;
   Eigen::Vector3d meanOfRing(Index v) const;
   /// Offers places on the boundary for a vertex of it.
   void considerRim(Index v, Index kept, const std::function<bool(const Image&)>& consider) const;

@@ -28,8 +28,12 @@ constexpr std::size_t kManyFinalists = 24;
 constexpr double kNearlyAsGood = 2;
 /// So many of them are compared.
 constexpr std::size_t kMostTried = 8;
-/// Of those, landmarks leave the ones out that miss them by more than another one by this factor.
+/// Of those, boundaries and landmarks leave the ones out that miss them by more than another one by
+/// this factor.
 constexpr double kClearlyFarther = 2;
+/// Places that modes tell are so uneven, over the root of the area: boundaries that are nearer than
+/// this are met.
+constexpr double kUneven = 0.02;
 /// Of the rest, those are left out that change the shape more than another one of less than this
 /// part: one map found twice settles to changes that differ by some percent.
 constexpr double kClearlyLess = 0.95;
@@ -110,6 +114,28 @@ Eigen::MatrixXd placesOf(const SpectralSurface& surface, double unit) {
   return places;
 }
 
+/// What vertices of the boundary have.
+std::vector<Eigen::Vector3d> boundaryOf(const TriangleMesh& mesh,
+                                        const std::vector<Eigen::Vector3d>& values) {
+  std::vector<Eigen::Vector3d> result;
+  for (const auto& loop : computeTopology(mesh.connectivity()).boundary_loops) {
+    for (const Index h : loop) result.push_back(values[mesh.connectivity().tail(h)]);
+  }
+  return result;
+}
+
+/// Of the squared distances of points from the nearest of others.
+double meanSquareGap(const std::vector<Eigen::Vector3d>& points,
+                     const std::vector<Eigen::Vector3d>& others) {
+  double sum = 0;
+  for (const Eigen::Vector3d& p : points) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& q : others) least = std::min(least, (p - q).squaredNorm());
+    sum += least;
+  }
+  return sum / static_cast<double>(points.size());
+}
+
 class Guessing {
  public:
   Guessing(Context& context, const MatchPair& pair, const MatchOptions& options)
@@ -140,7 +166,8 @@ class Guessing {
     MatchMethod method = MatchMethod::kNearIsometry;
     SpectralPair surfaces;
     std::vector<SpectralMatch> matches = {};
-    std::size_t alike = 0;  ///< So many of the first are nearly as good, and near the landmarks.
+    std::size_t alike =
+        0;  ///< So many of the first are nearly as good, and near landmarks and boundaries.
   };
   /// One of them.
   struct Answer {
@@ -171,12 +198,19 @@ class Guessing {
             found[answers.alike].defect < kNearlyAsGood * found.front().defect)) {
       ++answers.alike;
     }
-    return landmarks_.empty() ? Status() : preferByLandmarks(answers);
+    if (!isClosed(pair_.a)) {
+      RETURN_IF_ERROR(
+          preferNearer(answers, [this](const SpectralGuess& guess) { return gapOf(guess); }));
+    }
+    if (landmarks_.empty()) return {};
+    return preferNearer(answers, [this](const SpectralGuess& guess) { return missOf(guess); });
   }
 
-  /// Puts the matches first that miss the landmarks least, of those nearly as good as the best.
-  /// What agrees up to the guess's own unevenness is not decided by landmarks.
-  Status preferByLandmarks(Answers& answers) {
+  /// Puts the matches first that miss something least, of those nearly as good as the best.
+  /// What agrees up to the guess's own unevenness is not decided by that.
+  template <typename Miss>
+  Status preferNearer(Answers& answers, const Miss& missOf) {
+    if (answers.alike < 2) return {};
     std::vector<std::pair<double, SpectralMatch>> missing;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t n = 0; n < answers.alike; ++n) {
@@ -261,6 +295,19 @@ class Guessing {
                  .squaredNorm();
     }
     return std::sqrt(sum / static_cast<double>(landmarks_.size()));
+  }
+
+  /// The root mean square distance of the boundaries from each other, each one's vertices from the
+  /// other one's; at least what the modes' places are uneven.
+  double gapOf(const SpectralGuess& guess) const {
+    const std::vector<Eigen::Vector3d> there = boundaryOf(pair_.b, pair_.b.positions());
+    std::vector<Eigen::Vector3d> places;
+    for (const SurfacePoint& point : guess.points) {
+      places.push_back(spacePoint(pair_.b.connectivity(), pair_.b.positions(), point));
+    }
+    const std::vector<Eigen::Vector3d> images = boundaryOf(pair_.a, places);
+    const double gap = std::sqrt((meanSquareGap(images, there) + meanSquareGap(there, images)) / 2);
+    return std::max(gap, kUneven * std::sqrt(pair_.b.area()));
   }
 
   /// Whether the surfaces are such that a Möbius map of space carries to each other. It has 10

@@ -39,6 +39,8 @@ struct SpectralGuess {
   std::vector<Index> vertices;       ///< Of a, ascending: those of coarseA.
   std::vector<SurfacePoint> points;  ///< Per one of these its point of b: correspondingPoints.
   std::vector<Index> samples;        ///< Numbers of some of these, evenly spread.
+  /// Whether points are known by their places in space: errors are then no longer than relief.
+  bool by_shape = false;
 };
 
 /// The wanted answer, and what others there are.
@@ -48,8 +50,9 @@ struct SpectralAnswer {
 };
 
 /// By either metric, whichever agrees better. Of answers that are nearly as good, as symmetric
-/// surfaces have them, those that miss the landmarks (exact and soft) least, and of these on closed
-/// surfaces the one that changes the shape least (CoarseFit); where that does not tell, the best by
+/// surfaces have them, those whose boundaries miss each other least, of these those that miss the
+/// landmarks (exact and soft) least, and of these on closed surfaces the one that changes the shape
+/// least (CoarseFit); where that does not tell, the best by
 /// its modes. options: `alternative` says which answer. Stage: "compare". Fails with kNoConvergence
 /// (no correspondence), kInvalidOption (no such answer), and as makeSpectralSurface and
 /// matchSpectra do.
@@ -65,6 +68,10 @@ Result<SpectralGuess> guessFromPlaces(Context& context, const MatchPair& pair,
 /// The Möbius map of space nearest to a guess, its median over the root of b's area. Fails as
 /// fitSpaceMobius does.
 Result<SpaceMobiusFit> mobiusOf(const MatchPair& pair, const SpectralGuess& guess);
+
+/// Over so much of the root of the area errors of points known by their places are evened out; they
+/// are no longer than the relief that was smoothed away.
+inline constexpr double kShapeSmoothing = 0.05;
 
 /// A Möbius map of space is one of the surfaces if it misses half of the points by less than this
 /// share of the root of the area.

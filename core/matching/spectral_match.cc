@@ -4,9 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <mutex>
-#include <numeric>
-#include <optional>
 #include <utility>
 
 #include "core/base/parallel.h"
@@ -21,9 +18,16 @@ constexpr double kDistanceRatio = 0.25;  // Of log distances and centralities of
 constexpr double kWaveWeight = 3;        // Of dissimilar waves beside dissimilar distances.
 constexpr std::array<Eigen::Index, 4> kFirstModes = {4, 6, 10, 14};
 constexpr Eigen::Index kCoarseModes = 20, kMiddleModes = 60, kFineStep = 10;
-constexpr Eigen::Index kSignedModes = 5;   // The constant and four with both signs each.
-constexpr double kLeastOrientation = 0.3;  // Of a map that is one.
-constexpr double kDifferent = 0.1;         // Of the mean biharmonic distance.
+/// After these many modes mirror images are left out, and after every second of them all but the
+/// best different maps: the many starts that lead nowhere are told by their defects early.
+constexpr std::array<Eigen::Index, 5> kLooks = {8, 10, 12, 14, 16};
+constexpr std::size_t kContenders = 32;
+/// A map of so many times the best one's defect halfway is not among the answers: these have at
+/// most twice it at the end.
+constexpr double kHopeless = 4;
+constexpr Eigen::Index kSignedModes = 5;  // The constant and four with both signs each.
+constexpr double kLeastTurned = 0.3;      // Of a map that keeps the wanted orientation.
+constexpr double kDifferent = 0.1;        // Of the mean biharmonic distance.
 
 /// Three features of a and where they go.
 struct Triplet {
@@ -122,18 +126,12 @@ SampleMaps startOf(const SpectralSurface& a, const SpectralSurface& b, const Tri
   return nearestSamples(x, y, MatrixXd::Identity(4, 4));
 }
 
-std::vector<Eigen::Index> modesUpTo(Eigen::Index first, Eigen::Index last, Eigen::Index step) {
-  std::vector<Eigen::Index> steps;
-  for (Eigen::Index k = std::min(first, last); k < last; k += step) steps.push_back(k);
-  steps.push_back(last);
-  return steps;
-}
-
 /// A map between the samples and how good it is.
 struct Candidate {
   SampleMaps maps;
   MatrixXd functional;
   double defect = 0, orientation = 0;
+  double turned = 0;  ///< The orientation, as it is wanted.
 };
 
 bool better(const Candidate& x, const Candidate& y) {
@@ -150,65 +148,72 @@ class Aligner {
         options_(options),
         modes_(std::min(a.values.size(), b.values.size())),
         coarse_(std::min(kCoarseModes, modes_)),
+        middle_(std::min(kMiddleModes, modes_)),
         orientation_(a, b, coarse_) {}
 
   Result<std::vector<Candidate>> coarseCandidates() {
     const Context::Stage stage(context_, "align");
     const SampledModes x = sampleModes(a_, a_.coarse), y = sampleModes(b_, b_.coarse);
     const std::vector<SampleMaps> starts = allStarts(x, y);
-    const std::size_t jobs = starts.size() * kFirstModes.size();
-    std::vector<std::optional<Candidate>> results(jobs);
-    std::mutex mutex;
-    Status failure;
-    parallelBlocks(jobs, 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t job = begin; job < end; ++job) {
-        const Status status = refine(x, y, starts[job / kFirstModes.size()],
-                                     kFirstModes[job % kFirstModes.size()], results[job]);
-        if (status.ok()) continue;
-        const std::lock_guard lock(mutex);
-        failure = status;
-        return;
-      }
-    });
-    RETURN_IF_ERROR(failure);
     std::vector<Candidate> found;
-    for (auto& result : results) {
-      if (result) found.push_back(*std::move(result));
+    for (Eigen::Index k = std::min(kFirstModes.front(), coarse_); k <= coarse_; ++k) {
+      if (std::find(kFirstModes.begin(), kFirstModes.end(), k) != kFirstModes.end()) {
+        for (const SampleMaps& start : starts) found.push_back(Candidate{start, {}, 0, 0});
+      }
+      const bool look = std::find(kLooks.begin(), kLooks.end(), k) != kLooks.end();
+      parallelBlocks(found.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && context_.check().ok(); ++i) {
+          refine(x, y, k, found[i]);
+          if (look || k == coarse_) judge(found[i]);
+        }
+      });
+      RETURN_IF_ERROR(context_.check());
+      if (look) std::erase_if(found, [](const Candidate& c) { return c.turned < -kLeastTurned; });
+      if (look && (k / 2) % 2 == 0) found = different(std::move(found), y, k, kContenders);
     }
-    std::stable_sort(found.begin(), found.end(), better);
-    return different(std::move(found), y);
+    std::erase_if(found, [](const Candidate& c) { return !(c.turned > kLeastTurned); });
+    return different(std::move(found), y, coarse_, options_.finalists);
   }
 
   /// On the fine samples, to the middle modes.
-  Result<std::vector<SpectralMatch>> finish(const std::vector<Candidate>& candidates) {
+  Result<std::vector<SpectralMatch>> finish(std::vector<Candidate> maps) {
     const Context::Stage stage(context_, "refine");
     const SampledModes x = sampleModes(a_, a_.fine), y = sampleModes(b_, b_.fine);
-    std::vector<SpectralMatch> matches;
-    std::vector<Result<SpectralMatch>> results(candidates.size(), SpectralMatch());
-    parallelBlocks(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) results[i] = finish(x, y, candidates[i]);
-    });
-    for (auto& result : results) {
-      ASSIGN_OR_RETURN(SpectralMatch match, std::move(result));
-      matches.push_back(std::move(match));
+    for (Eigen::Index k = coarse_;; k = std::min(k + kFineStep, middle_)) {
+      parallelBlocks(maps.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && context_.check().ok(); ++i) {
+          maps[i].maps = nearestSamples(x, y, maps[i].functional);
+          maps[i].functional = fitFunctionalMap(x, y, maps[i].maps, k);
+          maps[i].defect = orthogonalityDefect(maps[i].functional);
+        }
+      });
+      RETURN_IF_ERROR(context_.check());
+      std::stable_sort(maps.begin(), maps.end(), better);
+      if (k == middle_) break;
+      if (2 * k >= middle_) {
+        std::erase_if(maps, [least = maps.empty() ? 0 : maps.front().defect](const Candidate& c) {
+          return c.defect > kHopeless * least;
+        });
+      }
     }
-    std::stable_sort(matches.begin(), matches.end(),
-                     [](const auto& p, const auto& q) { return p.defect < q.defect; });
+    std::vector<SpectralMatch> matches;
+    for (Candidate& map : maps) {
+      matches.push_back({std::move(map.functional), map.defect, map.orientation});
+    }
     return matches;
   }
 
  private:
-  Result<SpectralMatch> finish(const SampledModes& x, const SampledModes& y,
-                               const Candidate& candidate) const {
-    SampleMaps maps = nearestSamples(x, y, candidate.functional);
-    SpectralMatch match;
-    const Eigen::Index middle = std::min(kMiddleModes, modes_);
-    ASSIGN_OR_RETURN(
-        match.functional,
-        refineFunctionalMap(context_, x, y, modesUpTo(coarse_, middle, kFineStep), maps));
-    match.defect = orthogonalityDefect(match.functional);
-    match.orientation = candidate.orientation;
-    return match;
+  static void refine(const SampledModes& x, const SampledModes& y, Eigen::Index k,
+                     Candidate& candidate) {
+    candidate.functional = fitFunctionalMap(x, y, candidate.maps, k);
+    candidate.maps = nearestSamples(x, y, candidate.functional);
+  }
+
+  void judge(Candidate& candidate) const {
+    candidate.defect = orthogonalityDefect(candidate.functional);
+    candidate.orientation = orientation_(candidate.functional, candidate.maps);
+    candidate.turned = options_.mirror ? -candidate.orientation : candidate.orientation;
   }
 
   std::vector<SampleMaps> allStarts(const SampledModes& x, const SampledModes& y) const {
@@ -227,44 +232,37 @@ class Aligner {
     return starts;
   }
 
-  Status refine(const SampledModes& x, const SampledModes& y, const SampleMaps& start,
-                Eigen::Index first, std::optional<Candidate>& result) const {
-    Candidate candidate;
-    candidate.maps = start;
-    ASSIGN_OR_RETURN(
-        candidate.functional,
-        refineFunctionalMap(context_, x, y, modesUpTo(first, coarse_, 1), candidate.maps));
-    candidate.defect = orthogonalityDefect(candidate.functional);
-    candidate.orientation = orientation_(candidate.functional, candidate.maps);
-    const double turned = options_.mirror ? -candidate.orientation : candidate.orientation;
-    if (turned > kLeastOrientation) result = std::move(candidate);
-    return {};
-  }
-
-  /// Mean squared biharmonic distance of two maps' images.
-  double apart(const Candidate& p, const Candidate& q, const SampledModes& y) const {
+  /// Whether the mean squared distance of two maps' images is less than `most`, by the first k
+  /// modes. The distance is the biharmonic one.
+  bool isNear(const Candidate& p, const Candidate& q, const SampledModes& y, Eigen::Index k,
+              double most) const {
     double sum = 0;
-    const VectorXd weights = b_.values.segment(1, coarse_ - 1).cwiseInverse();
-    for (std::size_t i = 0; i < p.maps.there.size(); ++i) {
+    for (std::size_t i = 0; i < p.maps.there.size() && sum < most; ++i) {
       if (p.maps.there[i] == q.maps.there[i]) continue;
-      const VectorXd gap = y.functions.col(p.maps.there[i]).segment(1, coarse_ - 1) -
-                           y.functions.col(q.maps.there[i]).segment(1, coarse_ - 1);
-      sum +=
-          a_.coarse.weights[static_cast<Eigen::Index>(i)] * gap.cwiseProduct(weights).squaredNorm();
+      double squared = 0;
+      const auto here = y.functions.col(p.maps.there[i]), there = y.functions.col(q.maps.there[i]);
+      for (Eigen::Index m = 1; m < k; ++m) {
+        const double gap = (here[m] - there[m]) / b_.values[m];
+        squared += gap * gap;
+      }
+      sum += a_.coarse.weights[static_cast<Eigen::Index>(i)] * squared;
     }
-    return sum;
+    return sum < most;
   }
 
-  std::vector<Candidate> different(std::vector<Candidate> sorted, const SampledModes& y) const {
+  /// The best maps of k modes, each far from all better ones; best first.
+  std::vector<Candidate> different(std::vector<Candidate> maps, const SampledModes& y,
+                                   Eigen::Index k, std::size_t most) const {
+    std::stable_sort(maps.begin(), maps.end(), better);
     // Mean over all pairs of points: each function has mean square 1.
-    const double mean = 2 * b_.values.segment(1, coarse_ - 1).cwiseAbs2().cwiseInverse().sum();
+    const double mean = 2 * b_.values.segment(1, k - 1).cwiseAbs2().cwiseInverse().sum();
     std::vector<Candidate> kept;
-    for (Candidate& candidate : sorted) {
-      if (kept.size() == options_.finalists) break;
+    for (Candidate& map : maps) {
+      if (kept.size() == most) break;
       const bool known = std::any_of(kept.begin(), kept.end(), [&](const Candidate& other) {
-        return apart(candidate, other, y) < kDifferent * kDifferent * mean;
+        return isNear(map, other, y, k, kDifferent * kDifferent * mean);
       });
-      if (!known) kept.push_back(std::move(candidate));
+      if (!known) kept.push_back(std::move(map));
     }
     return kept;
   }
@@ -273,7 +271,7 @@ class Aligner {
   const SpectralSurface& a_;
   const SpectralSurface& b_;
   const SpectralMatchOptions& options_;
-  Eigen::Index modes_, coarse_;
+  Eigen::Index modes_, coarse_, middle_;
   OrientationTest orientation_;
 };
 
@@ -283,8 +281,8 @@ Result<std::vector<SpectralMatch>> matchSpectra(Context& context, const Spectral
                                                 const SpectralSurface& b,
                                                 const SpectralMatchOptions& options) {
   Aligner aligner(context, a, b, options);
-  ASSIGN_OR_RETURN(const std::vector<Candidate> candidates, aligner.coarseCandidates());
-  ASSIGN_OR_RETURN(std::vector<SpectralMatch> matches, aligner.finish(candidates));
+  ASSIGN_OR_RETURN(std::vector<Candidate> candidates, aligner.coarseCandidates());
+  ASSIGN_OR_RETURN(std::vector<SpectralMatch> matches, aligner.finish(std::move(candidates)));
   if (!matches.empty()) {
     ASSIGN_OR_RETURN(matches.front(), withAllModes(context, a, b, std::move(matches.front())));
   }
@@ -298,9 +296,12 @@ Result<SpectralMatch> withAllModes(Context& context, const SpectralSurface& a,
   const Eigen::Index has = match.functional.rows();
   if (has >= modes) return match;
   const SampledModes x = sampleModes(a, a.fine), y = sampleModes(b, b.fine);
-  SampleMaps maps = nearestSamples(x, y, match.functional);
-  ASSIGN_OR_RETURN(match.functional,
-                   refineFunctionalMap(context, x, y, modesUpTo(has, modes, kFineStep), maps));
+  for (Eigen::Index k = has; k < modes;) {
+    RETURN_IF_ERROR(context.check());
+    k = std::min(k + kFineStep, modes);
+    const SampleMaps maps = nearestSamples(x, y, match.functional);
+    match.functional = fitFunctionalMap(x, y, maps, k);
+  }
   return match;
 }
 

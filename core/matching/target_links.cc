@@ -28,6 +28,7 @@ class Linking {
         cover_(cover),
         plane_(cover.geometry),
         search_(cover, vertices),
+        step_search_(cover, vertices),
         transitions_(surface.halfedgeCount()),
         known_(surface.edgeCount(), false),
         replaced_(surface.vertexCount(), false) {
@@ -42,6 +43,9 @@ class Linking {
       transitions_[surface_.halfedge(e)] = transitions[surface_.halfedge(e)];
     }
   }
+
+  /// Per edge. Outlives this.
+  void setWays(const EdgeWays& ways) { ways_ = &ways; }
 
   /// All but what linksOf the map tell.
   Result<TargetLinks> run() {
@@ -86,9 +90,32 @@ class Linking {
     return {};
   }
 
+  const SurfacePoint& headOf(Index h) const { return map_.images[surface_.head(h)]; }
+
+  bool isWayKnown(Index h) const {
+    return ways_ != nullptr && !replaced_[surface_.tail(h)] && !replaced_[surface_.head(h)];
+  }
+
+  /// The same as find(headOf(h)), by points between.
+  std::optional<Motion> alongWay(Index h) {
+    Motion way = Motion::Identity();
+    const SurfacePoint* from = &map_.images[surface_.tail(h)];
+    const auto step = [&](const SurfacePoint& to) {
+      step_search_.start(*from);
+      const std::optional<Motion> found = step_search_.find(to);
+      if (found) way = plane_.normalized(Motion(way * *found));
+      from = &to;
+      return found.has_value();
+    };
+    for (const SurfacePoint& to : (*ways_)[surface_.edge(h)]) {
+      if (!step(to)) return std::nullopt;
+    }
+    return step(headOf(h)) ? std::optional(way) : std::nullopt;
+  }
+
   void link(Index h) {
     if (surface_.twin(h) == kNone) return;
-    const std::optional<Motion> found = search_.find(map_.images[surface_.head(h)]);
+    const std::optional<Motion> found = isWayKnown(h) ? alongWay(h) : search_.find(headOf(h));
     known_[surface_.edge(h)] = found.has_value();
     if (!found) return;
     transitions_[h] = *found;
@@ -178,7 +205,8 @@ class Linking {
   const Connectivity& surface_;
   const CoverSurface& cover_;
   CoverPlane plane_;
-  PathSearch search_;
+  PathSearch search_, step_search_;
+  const EdgeWays* ways_ = nullptr;
   std::vector<Motion> transitions_;
   std::vector<bool> known_;     ///< Per edge.
   std::vector<bool> replaced_;  ///< Per vertex.
@@ -215,14 +243,15 @@ Status checkTargets(const Connectivity& surface, const CoverSurface& cover,
 }  // namespace
 
 Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
-                                const CoverSurface& cover, std::vector<SurfacePoint> targets) {
+                                const CoverSurface& cover, std::vector<SurfacePoint> targets,
+                                const EdgeWays& ways) {
   RETURN_IF_ERROR(checkTargets(surface, cover, targets));
   if (surface.eulerCharacteristic() != cover.surface.eulerCharacteristic()) {
     return Status(Reason::kUnsupportedTopology, "the surfaces have different numbers of handles");
   }
-  ASSIGN_OR_RETURN(
-      TargetLinks found,
-      Linking(context, surface, cover, std::move(targets), cover.surface.vertexCount()).run());
+  Linking linking(context, surface, cover, std::move(targets), cover.surface.vertexCount());
+  if (!ways.empty()) linking.setWays(ways);
+  ASSIGN_OR_RETURN(TargetLinks found, linking.run());
   return checked(surface, cover, cover.area, std::move(found));
 }
 

@@ -19,6 +19,9 @@ struct TargetLinks {
   std::vector<Eigen::Vector2d> slides = {};
 };
 
+/// Per edge where points within it go, from the tail of its halfedge (Connectivity::halfedge) on.
+using EdgeWays = std::vector<std::vector<SurfacePoint>>;
+
 /// Joins the targets of neighbouring vertices by short paths along edges of the other surface.
 /// Where the paths around every face close, this is a homomorphism of the fundamental groups,
 /// whatever the marking: its relation holds. Vertices at most of whose faces they do not close, and
@@ -30,8 +33,12 @@ struct TargetLinks {
 /// and where the degree is not 1, the message naming it: only degree 1 makes the homomorphism one
 /// to one (-1: a mirror image), and as the context does. Some 50 steps of the search an edge. Stage
 /// "homotopy". Source: MATH 9.4; Kneser 1930 (degree).
+///
+/// ways: of edges, through whose points paths go while both ends keep their targets: short steps do
+/// not mistake one side of a thin limb for the other.
 Result<TargetLinks> linkTargets(Context& context, const Connectivity& surface,
-                                const CoverSurface& cover, std::vector<SurfacePoint> targets);
+                                const CoverSurface& cover, std::vector<SurfacePoint> targets,
+                                const EdgeWays& ways = {});
 
 /// The same for surfaces with boundary, the other one being half of its double. Targets of the
 /// boundary are those of `boundary`; they are not replaced.

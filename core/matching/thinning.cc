@@ -31,16 +31,25 @@ class EvenThinning {
       : mesh_(mesh), positions_(positions), rule_(rule) {}
 
   /// The neighbour that v would best go into, and the length of the way; kNone if none will do.
-  std::pair<double, Index> best(Index v) const {
-    std::vector<std::pair<double, Index>> choices;
+  std::pair<double, Index> best(Index v) {
+    choices_.clear();
     for (const Index u : mesh_.ring(v)) {
-      choices.emplace_back((positions_[u] - positions_[v]).norm(), u);
+      choices_.emplace_back((positions_[u] - positions_[v]).norm(), u);
     }
-    std::sort(choices.begin(), choices.end());
-    for (const auto& choice : choices) {
+    std::sort(choices_.begin(), choices_.end());
+    for (const auto& choice : choices_) {
       if (isGood(v, choice.second)) return choice;
     }
     return {std::numeric_limits<double>::infinity(), kNone};
+  }
+
+  /// The length of a vertex's shortest edge.
+  double shortest(Index v) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Index u : mesh_.ring(v)) {
+      least = std::min(least, (positions_[u] - positions_[v]).squaredNorm());
+    }
+    return std::sqrt(least);
   }
 
   bool isGood(Index v, Index u) const {
@@ -68,7 +77,16 @@ class EvenThinning {
   RingMesh& mesh_;
   const Positions& positions_;
   const FaceRule& rule_;
+  std::vector<std::pair<double, Index>> choices_;
 };
+
+/// The middle one of some numbers; infinity where there are none.
+double median(std::vector<double> numbers) {
+  if (numbers.empty()) return std::numeric_limits<double>::infinity();
+  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+  std::nth_element(numbers.begin(), middle, numbers.end());
+  return *middle;
+}
 
 /// Bad faces around a vertex.
 int badFaces(const RingMesh& mesh, const FaceRule& rule, Index v) {
@@ -123,19 +141,29 @@ Collapse bestCollapse(const RingMesh& mesh, const Positions& positions, const Fa
 Status thinEvenly(Context& context, RingMesh& mesh, const Positions& positions,
                   const std::vector<char>& movable, const FaceRule& rule, Index wanted) {
   const Context::Stage stage(context, "thin");
-  const EvenThinning thinning(mesh, positions, rule);
+  EvenThinning thinning(mesh, positions, rule);
   const auto vertices = static_cast<Index>(positions.size());
+  bool look_at_all = false;
   while (mesh.vertexCount() > wanted) {
+    std::vector<double> shortest;
+    for (Index v = 0; v < vertices; ++v) {
+      if (mesh.isPresent(v) && movable[v] != 0) shortest.push_back(thinning.shortest(v));
+    }
+    // What takes longer ways waits: after this round there may be shorter ones.
+    const double longest =
+        look_at_all ? std::numeric_limits<double>::infinity() : median(std::move(shortest));
     std::vector<std::tuple<double, double, Index, Index>> queue;  // Length, reach, from, into.
     for (Index v = 0; v < vertices; ++v) {
       if (v % 10000 == 0) RETURN_IF_ERROR(context.check());
-      if (!mesh.isPresent(v) || movable[v] == 0) continue;
+      if (!mesh.isPresent(v) || movable[v] == 0 || thinning.shortest(v) > longest) continue;
       const auto [length, u] = thinning.best(v);
-      if (u != kNone) queue.emplace_back(length, reach(mesh, positions, v), v, u);
+      if (u != kNone && length <= longest) {
+        queue.emplace_back(length, reach(mesh, positions, v), v, u);
+      }
     }
     std::sort(queue.begin(), queue.end());
-    // The longer half waits: after this round there may be shorter ways.
-    const std::size_t looked_at = std::max<std::size_t>(queue.size() / 2, 1);
+    const std::size_t looked_at =
+        look_at_all ? std::max<std::size_t>(queue.size() / 2, 1) : queue.size();
     std::vector<char> locked(vertices, 0);
     const Index before = mesh.vertexCount();
     for (std::size_t i = 0; i < std::min(looked_at, queue.size()); ++i) {
@@ -145,7 +173,10 @@ Status thinEvenly(Context& context, RingMesh& mesh, const Positions& positions,
       mesh.collapse(v, u);
       for (const Index w : mesh.ring(v)) locked[w] = 1;
     }
-    if (mesh.vertexCount() == before) break;
+    if (mesh.vertexCount() < before) continue;
+    // No vertex with a short edge can go.
+    if (look_at_all) break;
+    look_at_all = true;
   }
   return {};
 }

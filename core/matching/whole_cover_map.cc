@@ -17,11 +17,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Over all vertices, at every level.
-constexpr int kSweeps = 3;
-constexpr double kTolerance = 2e-3;
-/// What a vertex gains less than, over their number, does not disturb its neighbours.
-constexpr double kRest = 2e-6;
+/// Over all vertices: at every level, and at the last one.
+constexpr int kSweeps = 1, kLastSweeps = 2;
 /// Twice a triangle's area in the plane over the square of its longest side: what is clearer of
 /// turning over than this need not be kept from it, and what is less so is not made.
 constexpr double kClear = 1e-3, kTooThin = 1e-9;
@@ -32,12 +29,27 @@ Vector2d inKlein(const Vector3d& place) {
   return place.head<2>() / place[2];
 }
 
+/// A place, and where it is in Klein's disk.
+struct Corner {
+  explicit Corner(const Vector3d& where) : place(where), klein(inKlein(where)) {}
+
+  Vector3d place;
+  Vector2d klein;
+};
+
+/// Of the square of a triangle's longest side over those of its corners: rounding has no say in the
+/// sign of clear triangles larger than that.
+constexpr double kLarge = 1e-12;
+
 /// 0 where the triangle is not positive.
-double clearanceOf(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  if (spherical::orientationSign(a, b, c) <= 0) return 0;
-  const Vector2d p = inKlein(a), u = inKlein(b) - p, w = inKlein(c) - p;
+double clearanceOf(const Corner& a, const Corner& b, const Corner& c) {
+  const Vector2d u = b.klein - a.klein, w = c.klein - a.klein;
   const double longest = std::max({u.squaredNorm(), w.squaredNorm(), (w - u).squaredNorm()});
-  return std::max(0.0, u[0] * w[1] - u[1] * w[0]) / longest;
+  const double twice_area = u[0] * w[1] - u[1] * w[0];
+  const bool is_sure =
+      twice_area > kClear * longest && longest > kLarge * (1 + a.klein.squaredNorm());
+  if (!is_sure && spherical::orientationSign(a.place, b.place, c.place) <= 0) return 0;
+  return std::max(0.0, twice_area) / longest;
 }
 
 /// A map of the vertices that are there, in the plane of a cover.
@@ -77,7 +89,10 @@ class CoverRefinement {
       const auto wanted =
           static_cast<Index>(std::lround(here * std::pow(all / here, level / levels)));
       while (mesh_.vertexCount() < wanted) RETURN_IF_ERROR(restoreOne());
-      RETURN_IF_ERROR(relaxAll());
+      for (int sweep = 0; sweep < (level < levels ? kSweeps : kLastSweeps); ++sweep) {
+        RETURN_IF_ERROR(context_.check());
+        for (const Index v : order_) relax(v, kOverRelaxation);
+      }
     }
     return whole();
   }
@@ -88,6 +103,18 @@ class CoverRefinement {
     Vector3d place = Vector3d::Zero(), space = Vector3d::Zero();
     /// Per neighbour: from the coordinates of its image's face to those of the own one's.
     std::vector<std::pair<Index, Motion>> seen;
+  };
+
+  /// From the coordinates of the face that a walk has come to, to those of its first.
+  struct Way {
+    void cross(Index h) {
+      motion = motion * cover.across[h];
+      any = true;
+    }
+
+    const CoverSurface& cover;
+    Motion motion = Motion::Identity();
+    bool any = false;
   };
 
   Motion& transition(Index v, Index w) {
@@ -103,16 +130,21 @@ class CoverRefinement {
   }
 
   /// The ring of a vertex in the coordinates of its image's face.
-  std::vector<Vector3d> ringSeen(Index v) {
-    std::vector<Vector3d> places;
-    for (const Index w : mesh_.ring(v)) places.push_back(transition(v, w) * vertices_[w].place);
-    return places;
+  std::vector<Corner> ringSeen(Index v) {
+    std::vector<Corner> corners;
+    corners.reserve(mesh_.ring(v).size());
+    for (const Index w : mesh_.ring(v)) {
+      corners.emplace_back(Vector3d(transition(v, w) * vertices_[w].place));
+    }
+    return corners;
   }
 
-  static double clearance(const Vector3d& place, const std::vector<Vector3d>& ring) {
+  static double clearance(const Vector3d& place, const std::vector<Corner>& ring) {
+    const Corner corner(place);
     double least = kClear;
     for (std::size_t i = 0; i < ring.size() && least > 0; ++i) {
-      least = std::min(least, clearanceOf(place, ring[i], ring[i + 1 == ring.size() ? 0 : i + 1]));
+      const Corner& next = ring[i + 1 == ring.size() ? 0 : i + 1];
+      least = std::min(least, clearanceOf(corner, ring[i], next));
     }
     return least;
   }
@@ -153,14 +185,15 @@ class CoverRefinement {
       see(ring[i], v, plane_.inverse(motion));
     }
     order_.push_back(v);
-    relax(v);
+    relax(v, 1);
     return {};
   }
 
   /// In the kernel of a ring: 0 where no double is.
   Vector3d placeIn(Index v, const std::vector<Vector3d>& ring, std::size_t kept) const {
     const Vector3d mean = plane_.normalized(meanOf(v, ring));
-    if (clearance(mean, ring) > kTooThin) return mean;
+    const std::vector<Corner> corners(ring.begin(), ring.end());
+    if (clearance(mean, corners) > kTooThin) return mean;
     // Close to `kept` the kernel is a sector between the two neighbours they share; its bisector
     // leads into it.
     const std::size_t n = ring.size();
@@ -178,7 +211,7 @@ class CoverRefinement {
       const Vector2d trial = origin + reach * middle;
       if (!plane_.isFlat() && !(trial.norm() < 1)) continue;
       const Vector3d place = plane_.normalized(Vector3d(trial[0], trial[1], 1));
-      const double clear = clearance(place, ring);
+      const double clear = clearance(place, corners);
       if (clearest > 0 && !(clear > clearest)) break;
       if (!(clear > clearest)) continue;
       clearest = clear;
@@ -208,99 +241,49 @@ class CoverRefinement {
     return sum;
   }
 
-  /// As Relaxation::relaxAll: vertices that have come to rest sleep until a neighbour moves.
-  Status relaxAll() {
-    double excess = std::numeric_limits<double>::infinity();
-    const double rest = kRest / static_cast<double>(order_.size());
-    awake_.assign(vertices_.size(), 1);
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-      RETURN_IF_ERROR(context_.check());
-      double gained = 0;
-      for (const Index v : order_) {
-        if (awake_[v] == 0) continue;
-        const double gain = relax(v);
-        gained += gain;
-        awake_[v] = 0;
-        if (!(gain > rest)) continue;
-        awake_[v] = 1;
-        for (const Index w : mesh_.ring(v)) awake_[w] = 1;
-      }
-      if (sweep == 0) excess = excessNow();
-      if (!(gained > kTolerance * excess)) break;
-    }
-    return {};
-  }
-
-  /// Of all faces, less what an isometry has.
-  double excessNow() const {
-    double sum = 0;
-    for (const Index v : order_) {
-      const std::vector<Index>& ring = mesh_.ring(v);
-      for (std::size_t i = 0; i < ring.size(); ++i) {
-        const Index p = ring[i], q = ring[i + 1 == ring.size() ? 0 : i + 1];
-        if (v > p || v > q) continue;
-        const FaceDistortion face({positions_[v], positions_[p], positions_[q]});
-        sum += face.energy({vertices_[v].space, vertices_[p].space, vertices_[q].space}) -
-               4 * face.area();
-      }
-    }
-    return sum;
-  }
-
-  /// One step of Newton's method in the surface, halved until its faces stay positive and their
-  /// energy falls. Returns by how much.
-  double relax(Index v) {
+  /// A step of Newton's method in the surface, so many times as long, and shorter until its faces
+  /// stay positive and their energy falls.
+  void relax(Index v, double times) {
     Vertex& vertex = vertices_[v];
     const std::vector<Index>& ring = mesh_.ring(v);
     const std::size_t n = ring.size();
     faces_.clear();
     Vector3d gradient = Vector3d::Zero();
     Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-    double longest = 0;
+    double longest = 0, before = 0;
     const auto triangle = [&](const Vector3d& at, std::size_t i) -> SpaceTriangle {
       return {at, vertices_[ring[i]].space, vertices_[ring[i + 1 == n ? 0 : i + 1]].space};
     };
     for (std::size_t i = 0; i < n; ++i) {
       faces_.emplace_back(SpaceTriangle{positions_[v], positions_[ring[i]],
                                         positions_[ring[i + 1 == n ? 0 : i + 1]]});
-      faces_.back().differentiate(triangle(vertex.space, i), gradient, hessian);
-      longest = std::max(longest, (vertices_[ring[i]].space - vertex.space).norm());
+      before += faces_.back().differentiate(triangle(vertex.space, i), gradient, hessian);
+      longest = std::max(longest, (vertices_[ring[i]].space - vertex.space).squaredNorm());
     }
-    const auto energy = [&](const Vector3d& at) {
-      double sum = 0;
-      for (std::size_t i = 0; i < n; ++i) sum += faces_[i].energy(triangle(at, i));
-      return sum;
-    };
+    const double reach = 2 * std::sqrt(longest);
     Vector3d step = stepInPlane(walk_.normal(vertex.image.face), gradient, hessian);
-    const double before = energy(vertex.space), enough = 1e-13 * before;
-    if (!(-gradient.dot(step) / 2 > enough)) return 0;
-    if (step.norm() > 2 * longest) step *= 2 * longest / step.norm();
-    std::vector<Vector3d> seen;
-    double clear = 0;
+    const double enough = 1e-13 * before;
+    if (!(-gradient.dot(step) / 2 > enough)) return;
+    step *= times;
+    if (step.norm() > reach) step *= reach / step.norm();
+    std::vector<Corner> seen;
     for (int halving = 0; halving < kHalvings; ++halving, step /= 3) {
-      Motion way = Motion::Identity();
-      bool crossed = false;
-      const SurfacePoint image = walk_(vertex.image, step, 256, [&](Index h) {
-        way = way * cover_.across[h];
-        crossed = true;
-      });
+      Way way{cover_};
+      const SurfacePoint image = walk_(vertex.image, step, 256, [&way](Index h) { way.cross(h); });
       const Vector3d space = walk_.place(image);
-      const double gain = before - energy(space);
-      if (!(gain > enough)) continue;
-      if (seen.empty()) {
-        seen = ringSeen(v);
-        clear = clearance(vertex.place, seen);
-      }
+      double after = 0;
+      for (std::size_t i = 0; i < n; ++i) after += faces_[i].energy(triangle(space, i));
+      if (!(before - after > enough)) continue;
+      if (seen.empty()) seen = ringSeen(v);
       const Vector3d place = cover_.place(image);
-      const double then = clearance(crossed ? Vector3d(way * place) : place, seen);
-      if (then < clear || !(then > 0)) continue;
-      if (crossed) follow(v, way);
+      const double then = clearance(way.any ? Vector3d(way.motion * place) : place, seen);
+      if (!(then > 0) || (then < kClear && then < clearance(vertex.place, seen))) continue;
+      if (way.any) follow(v, way.motion);
       vertex.image = image;
       vertex.place = place;
       vertex.space = space;
-      return gain;
+      return;
     }
-    return 0;
   }
 
   /// way: from the coordinates of v's new face to those of the old one.
@@ -335,7 +318,6 @@ class CoverRefinement {
   std::vector<Vector3d> positions_;  ///< Of a, of area 1.
   std::vector<Vertex> vertices_;
   std::vector<Index> order_;  ///< Those that are there.
-  std::vector<char> awake_;
   std::vector<FaceDistortion> faces_;
 };
 

@@ -1,5 +1,6 @@
 #include "core/matching/whole_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,9 +10,26 @@
 namespace moduli {
 namespace {
 
-/// Over all vertices, whenever there are twice as many: what is smooth is at rest already.
-constexpr int kSweeps = 4;
+/// Over all vertices: at every level, and at the last one, where more is new.
+constexpr int kSweeps = 1, kLastSweeps = 4;
 constexpr double kTolerance = 2e-3;
+
+/// Puts all vertices back in levels of equal ratios, of about twice as many vertices each, and
+/// sweeps over them.
+Status restoreAll(Context& context, Relaxation& map) {
+  const double all = map.vertexCount(), here = map.mesh().vertexCount();
+  const double levels = std::max(1.0, std::round(std::log2(all / here)));
+  for (double level = 1; level <= levels; ++level) {
+    const double wanted = here * std::pow(all / here, level / levels);
+    RETURN_IF_ERROR(restoreVertices(context, map, static_cast<Index>(std::lround(wanted))));
+    const std::vector<Index> order = map.inSweepOrder();
+    for (int sweep = 0; sweep < (level < levels ? kSweeps : kLastSweeps); ++sweep) {
+      RETURN_IF_ERROR(context.check());
+      for (const Index v : order) map.relax(v, kOverRelaxation);
+    }
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -32,9 +50,9 @@ Result<Points3> mapWhole(Context& context, const ThinnedSurface& thinned, const 
   for (std::size_t i = 0; i < points.size(); ++i) {
     map.setImage(thinned.vertices[i], domain.at(points[i]));
   }
-  const RefinementOptions work{kSweeps, kTolerance, kWild};
+  const RefinementOptions work{kLastSweeps, kTolerance, kWild};
   const auto all = static_cast<Index>(positions.size());
-  RETURN_IF_ERROR(restoreVertices(context, map, all, work));
+  RETURN_IF_ERROR(restoreAll(context, map));
   RETURN_IF_ERROR(repairMap(context, map, work));
   Points3 result;
   result.reserve(positions.size());

@@ -7,9 +7,13 @@
 
 namespace moduli {
 
+/// Of Newton's step, in sweeps over all vertices. Between 1, which is best for errors from vertex
+/// to vertex, and 2, which is best for smooth ones (Young 1954).
+inline constexpr double kOverRelaxation = 1.8;
+
 /// From the map of a thinned sphere to that of the whole: its vertices come back in reverse order,
-/// each where it costs least in the kernel of its ring, and all relax a few times whenever there
-/// are twice as many. No face folds. What is smooth has been settled before, on few vertices; what
+/// each where it costs least in the kernel of its ring, and all relax whenever there are about
+/// twice as many. No face folds. What is smooth has been settled before, on few vertices; what
 /// comes back is near its ring, which few sweeps even out.
 ///
 /// thinned: of a. points: per vertex of thinned.mesh on the sphere

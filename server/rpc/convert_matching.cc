@@ -11,6 +11,7 @@ using Message = v1::SurfaceMatch;
 static_assert(static_cast<int>(MatchMethod::kSameTriangulation) + 1 == Message::SAME_TRIANGULATION);
 static_assert(static_cast<int>(MatchMethod::kNearIsometry) + 1 == Message::NEAR_ISOMETRY);
 static_assert(static_cast<int>(MatchMethod::kMobius) + 1 == Message::MOBIUS);
+static_assert(static_cast<int>(MatchMethod::kShape) + 1 == Message::SHAPE);
 
 Message::Method methodOf(MatchMethod method) {
   return static_cast<Message::Method>(static_cast<int>(method) + 1);

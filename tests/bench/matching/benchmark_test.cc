@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/mesh/samples.h"
+#include "core/topology/surface_topology.h"
 #include "tests/bench/matching/errors.h"
 #include "tests/bench/matching/pairs.h"
 #include "tests/core/matching/lumps.h"
@@ -62,11 +63,20 @@ TEST(KnownPairs, HaveTheNoiseAskedFor) {
   EXPECT_NEAR(std::sqrt(squares / n / clean.b.area()) / 0.01, 1, 5 / std::sqrt(2 * n));
 }
 
-TEST(KnownPairs, AreOfClosedSurfacesAlone) {
+TEST(KnownPairs, AreOfTheKindsThatThereAre) {
   EXPECT_THAT(makePair(base(), "bent"), FailsWith(Reason::kInvalidOption));
+}
+
+TEST(KnownPairs, KeepBoundaries) {
   MODULI_NEED_SHARED_MESH(open, "genus2/cfwen__eight.hole.off");
   Context context;
-  EXPECT_THAT(readBase(context, open, 1000), FailsWith(Reason::kNotClosed));
+  const auto base = readBase(context, open, 1000);
+  ASSERT_OK(base);
+  for (const std::string& kind : matchKinds()) {
+    const auto pair = makePair(*base, kind);
+    ASSERT_OK(pair) << kind;
+    EXPECT_EQ(computeTopology(pair->b.connectivity()).boundary_loops.size(), 1U) << kind;
+  }
 }
 
 TEST(MatchErrors, AreLengthsWithinTheSurface) {

@@ -6,23 +6,32 @@
 #include <cstdio>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "core/intrinsic/edge_graph.h"
 #include "core/matching/map_report.h"
+#include "core/matching/nearest_in_triangle.h"
 
 namespace moduli {
 namespace {
 
 constexpr double kNear = 0.1;
+constexpr double kShortWay = 4;  ///< Mean edges.
 
 /// Ways along the edges of b, searched as far as need be.
 class Ways {
  public:
   explicit Ways(const TriangleMesh& b)
-      : b_(b), graph_(b.connectivity(), b.edgeLengths()), whole_(std::sqrt(b.area())) {}
+      : b_(b), graph_(b.connectivity(), b.edgeLengths()), whole_(std::sqrt(b.area())) {
+    const std::vector<double> lengths = b.edgeLengths();
+    mean_ =
+        std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
+  }
 
-  /// From the vertex nearest to a point in space to the nearest corner of a face.
-  double from(const Eigen::Vector3d& point, Index face) const {
+  /// From the vertex nearest to a point in space to the nearest corner of a face; nothing where
+  /// that is no longer than the edges on the way could be off.
+  std::optional<double> from(const Eigen::Vector3d& point, Index face) const {
     const auto nearer = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
       return (p - point).squaredNorm() < (q - point).squaredNorm();
     };
@@ -30,19 +39,64 @@ class Ways {
     const auto start = static_cast<Index>(
         std::min_element(positions.begin(), positions.end(), nearer) - positions.begin());
     const Triangle& corners = b_.connectivity().face(face);
+    const double unsure = std::max(kShortWay * mean_, longestAt(start) + longestAt(corners[0]));
     for (double radius = 0.05 * whole_;; radius *= 2) {
       const auto reached = graph_.within(start, radius);
       for (const auto& [vertex, distance] : reached) {
-        if (std::find(corners.begin(), corners.end(), vertex) != corners.end()) return distance;
+        if (std::find(corners.begin(), corners.end(), vertex) == corners.end()) continue;
+        return distance > unsure ? std::optional(distance) : std::nullopt;
       }
       if (reached.size() == positions.size()) return std::numeric_limits<double>::infinity();
     }
   }
 
  private:
+  double longestAt(Index vertex) const {
+    double longest = 0;
+    for (const auto& [other, length] : graph_.neighbours(vertex)) {
+      longest = std::max(longest, length);
+    }
+    return longest;
+  }
+
   const TriangleMesh& b_;
   EdgeGraph graph_;
-  double whole_;
+  double whole_, mean_ = 0;
+};
+
+/// Nearest points of a surface in space, among all its faces.
+class Surface {
+ public:
+  explicit Surface(const TriangleMesh& mesh) : mesh_(mesh) {
+    const auto& p = mesh.positions();
+    for (const auto& [i, j, k] : mesh.connectivity().faces()) {
+      const Eigen::Vector3d centre = (p[i] + p[j] + p[k]) / 3;
+      const auto away = [&](Index v) { return (p[v] - centre).norm(); };
+      balls_.emplace_back(centre, std::max({away(i), away(j), away(k)}));
+    }
+  }
+
+  Eigen::Vector3d nearest(const Eigen::Vector3d& point) const {
+    const auto& p = mesh_.positions();
+    Eigen::Vector3d result = point;
+    double least = std::numeric_limits<double>::infinity();
+    for (Index f = 0; f < mesh_.faceCount(); ++f) {
+      const auto& [centre, radius] = balls_[f];
+      const double reach = least + radius;
+      if ((centre - point).squaredNorm() > reach * reach) continue;
+      const auto& [i, j, k] = mesh_.connectivity().face(f);
+      const auto weights = nearestInTriangle(point, p[i], p[j], p[k]);
+      const Eigen::Vector3d place = weights[0] * p[i] + weights[1] * p[j] + weights[2] * p[k];
+      if ((place - point).norm() >= least) continue;
+      least = (place - point).norm();
+      result = place;
+    }
+    return result;
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  std::vector<std::pair<Eigen::Vector3d, double>> balls_;  ///< Around faces: centre, radius.
 };
 
 std::string methodName(MatchMethod method) {
@@ -53,6 +107,8 @@ std::string methodName(MatchMethod method) {
       return "metric";
     case MatchMethod::kMobius:
       return "Moebius";
+    case MatchMethod::kShape:
+      return "shape";
   }
   return "";
 }
@@ -95,13 +151,16 @@ std::string jsonMean(const std::string& kind, const MeanScore& score) {
 std::vector<double> matchErrors(const KnownPair& pair, const std::vector<SurfacePoint>& images,
                                 std::size_t samples) {
   const Ways ways(pair.b);
+  const Surface surface(pair.b);
   const double whole = std::sqrt(pair.b.area());
   const std::size_t stride = std::max<std::size_t>(1, pair.truth.size() / samples);
   std::vector<double> errors;
   for (std::size_t v = 0; v < pair.truth.size(); v += stride) {
     const Eigen::Vector3d place = spacePoint(pair.b.connectivity(), pair.b.positions(), images[v]);
-    const double straight = (place - pair.truth[v]).norm();
-    errors.push_back(std::max(straight, ways.from(pair.truth[v], images[v].face)) / whole);
+    const Eigen::Vector3d truth = surface.nearest(pair.truth[v]);
+    const double straight = (place - truth).norm();
+    const auto way = ways.from(truth, images[v].face);
+    errors.push_back((way ? std::max(straight, *way) : straight) / whole);
   }
   std::sort(errors.begin(), errors.end());
   return errors;

@@ -15,7 +15,7 @@
 /// moduli_match_bench [--max-faces N] [--seed N] [--kinds KIND,...] [--noise SHARE]
 ///                    [--same-triangulation] [--samples] [--json] [MESH...]
 ///
-/// Makes the pairs of pairs.h of the closed shared meshes, or of the given ones, matches them, and
+/// Makes the pairs of pairs.h of the shared meshes, or of the given ones, matches them, and
 /// prints how far the maps are from the truth, in roots of the area: the mean, what nine in ten do
 /// not exceed, and the share below 0.1. By surfaces alone, unless --same-triangulation. --samples:
 /// of two small sample surfaces instead.
@@ -121,8 +121,13 @@ Status run(const std::vector<std::string>& arguments) {
   if (!settings.json) std::fputs(scoreHead().c_str(), stdout);
   for (const MatchBase& base : bases) {
     for (const std::string& kind : settings.kinds) {
-      ASSIGN_OR_RETURN(const KnownPair pair, makePair(base, kind, settings.pairs));
-      scores.push_back(scorePair(pair, settings.match));
+      const Result<KnownPair> pair = makePair(base, kind, settings.pairs);
+      if (!pair.ok()) {  // Such as limbs of what is flat.
+        std::fprintf(stderr, "%s, %s: %s\n", base.name.c_str(), kind.c_str(),
+                     pair.status().toString().c_str());
+        continue;
+      }
+      scores.push_back(scorePair(*pair, settings.match));
       if (!settings.json) std::fputs(scoreLine(scores.back()).c_str(), stdout);
       std::fflush(stdout);
     }

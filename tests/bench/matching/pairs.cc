@@ -7,7 +7,6 @@
 
 #include "core/mesh/prepare.h"
 #include "core/mesh/read.h"
-#include "core/topology/surface_topology.h"
 #include "tests/bench/retrieval/deform.h"
 #include "tests/bench/retrieval/remesh.h"
 #include "tests/core/matching/renumbered.h"
@@ -64,9 +63,6 @@ Result<MatchBase> readBase(Context& context, const std::string& path, std::size_
   auto prepared = prepareMesh(context, soup, {});
   if (!prepared.ok()) return prepared.status().withContext(path);
   const Connectivity& surface = prepared->mesh.connectivity();
-  if (!computeTopology(surface).boundary_loops.empty()) {
-    return Status(Reason::kNotClosed, path + ": the surface has a boundary");
-  }
   return MatchBase{std::filesystem::path(path).stem().string(),
                    simplified({prepared->mesh.positions(), surface.faces()}, max_faces)};
 }

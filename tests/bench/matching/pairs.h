@@ -13,7 +13,7 @@
 /// Pairs of surfaces of which it is known where each point of one is on the other.
 namespace moduli {
 
-/// A closed connected surface.
+/// A connected surface.
 struct MatchBase {
   std::string name;
   TriangleSoup soup;
@@ -41,12 +41,12 @@ struct PairOptions {
   double noise = 0;
 };
 
-/// The closed connected meshes among all of $MODULI_SHARED/meshes but those in bad/
+/// The connected meshes among all of $MODULI_SHARED/meshes but those in bad/
 /// (tests/core/testing.h), in the order of their paths. max_faces: larger ones are simplified to
 /// this.
 std::vector<MatchBase> sharedBases(Context& context, std::size_t max_faces);
 
-/// One mesh file. Fails as the readers do, and with kNotClosed.
+/// One mesh file. Fails as the readers and prepareMesh do.
 Result<MatchBase> readBase(Context& context, const std::string& path, std::size_t max_faces);
 
 /// The pair of one kind; the same on every machine with the same arithmetic. Fails with

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/intrinsic/edge_graph.h"
+#include "core/mesh/prepare.h"
 #include "core/mesh/read.h"
 #include "core/spherical/sphere_locator.h"
 #include "tests/bench/retrieval/deform.h"
@@ -128,6 +129,28 @@ TEST(MatchSurfaces, MatchesThinnedInversionsOfSpace) {
   EXPECT_LE(mean(error), 0.005);
   EXPECT_EQ(found.report.folded_faces, 0);
 }
+
+// Folded and inflated cortices are no near isometries, but lie in one place.
+class CortexPair : public testing::TestWithParam<bool> {};
+
+TEST_P(CortexPair, IsMatchedByItsSmoothedShapes) {
+  MODULI_NEED_SHARED_MESH(folded, "brain/nilearn__pial_left.ply");
+  MODULI_NEED_SHARED_MESH(inflated, "brain/nilearn__infl_left.ply");
+  Context context;
+  const TriangleMesh pial = meshOf(*readMeshFile(context, folded));
+  const TriangleMesh inflation = meshOf(moved(*readMeshFile(context, inflated)));
+  const TriangleMesh& a = GetParam() ? pial : inflation;
+  const TriangleMesh& b = GetParam() ? inflation : pial;
+  const SurfaceMatch found = match(a, b, surfacesAlone());
+  EXPECT_EQ(found.method, MatchMethod::kShape);
+  EXPECT_EQ(found.report.folded_faces, 0);
+  const auto error = errors(found, b, b.positions());
+  std::cout << "mean " << mean(error) << ", nine in ten " << error[error.size() * 9 / 10] << '\n';
+  // In space the folded one's places are nearer to each other than along it.
+  EXPECT_LE(mean(error), 0.03);
+  EXPECT_LE(error[error.size() * 9 / 10], 0.1);
+}
+INSTANTIATE_TEST_SUITE_P(BothWays, CortexPair, testing::Bool());
 
 TEST(MatchSurfaces, DoesNotDependOnNumbersPlaceAndSize) {
   const TriangleSoup soup = lump(12, 1);
@@ -284,6 +307,31 @@ Index nearestVertex(const TriangleMesh& mesh, const Eigen::Vector3d& point) {
     if (distance < (mesh.positions()[nearest] - point).norm()) nearest = v;
   }
   return nearest;
+}
+
+// An ellipsoid with a small hole off its planes of symmetry: four half turns are nearly as good.
+TriangleMesh punctured(int resolution, int seed) {
+  TriangleSoup soup = *makeSample("sphere", {{"resolution", static_cast<double>(resolution)},
+                                             {"seed", static_cast<double>(seed)}});
+  const Vector3d where = Vector3d(0.6, 0.5, 0.6).normalized();
+  std::erase_if(soup.faces, [&](const Triangle& face) {
+    return ((soup.vertices[face[0]] + soup.vertices[face[1]] + soup.vertices[face[2]]) / 3 - where)
+               .norm() < 0.15;
+  });
+  for (Vector3d& p : soup.vertices) p = p.cwiseProduct(Vector3d(1.5, 1, 0.7));
+  Context context;
+  return prepareMesh(context, soup, {})->mesh;
+}
+
+TEST(MatchSurfaces, LetsBoundariesDecideBetweenSymmetricAnswers) {
+  for (int seed = 1; seed <= 4; ++seed) {
+    const TriangleMesh a = punctured(10, seed), b = punctured(11, seed + 10);
+    const SurfaceMatch found = match(a, b);
+    EXPECT_EQ(found.report.folded_faces, 0);
+    // Wrong answers are off by a fourth of the size and more. Boundaries are zigzags of edges, 0.1
+    // long over a root of the area of 3.6: the map may be off by one, and less far from them.
+    EXPECT_LE(mean(errors(found, b, a.positions())), 0.03) << seed;
+  }
 }
 
 TEST(MatchSurfaces, LetsLandmarksDecideBetweenSymmetricAnswers) {
