@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/matching/face_distortion.h"
 #include "core/matching/plane_step.h"
 #include "core/matching/surface_walk.h"
@@ -19,6 +20,8 @@ using Eigen::Vector3d;
 
 /// Over all vertices: at every level, and at the last one.
 constexpr int kSweeps = 1, kLastSweeps = 2;
+/// Vertices that one thread moves before it asks for more.
+constexpr std::size_t kTogether = 256;
 /// Twice a triangle's area in the plane over the square of its longest side: what is clearer of
 /// turning over than this need not be kept from it, and what is less so is not made.
 constexpr double kClear = 1e-3, kTooThin = 1e-9;
@@ -89,9 +92,10 @@ class CoverRefinement {
       const auto wanted =
           static_cast<Index>(std::lround(here * std::pow(all / here, level / levels)));
       while (mesh_.vertexCount() < wanted) RETURN_IF_ERROR(restoreOne());
+      const std::vector<std::vector<Index>> sets = separated();
       for (int sweep = 0; sweep < (level < levels ? kSweeps : kLastSweeps); ++sweep) {
         RETURN_IF_ERROR(context_.check());
-        for (const Index v : order_) relax(v, kOverRelaxation);
+        for (const std::vector<Index>& set : sets) relaxTogether(set);
       }
     }
     return whole();
@@ -241,13 +245,40 @@ class CoverRefinement {
     return sum;
   }
 
+  /// The vertices that are there, in sets without an edge: greedily, in their order.
+  std::vector<std::vector<Index>> separated() const {
+    std::vector<std::vector<Index>> sets;
+    std::vector<std::size_t> set_of(vertices_.size(), vertices_.size());
+    std::vector<char> taken;
+    for (const Index v : order_) {
+      taken.assign(sets.size() + 1, 0);
+      for (const Index w : mesh_.ring(v)) {
+        if (set_of[w] < sets.size()) taken[set_of[w]] = 1;
+      }
+      set_of[v] =
+          static_cast<std::size_t>(std::find(taken.begin(), taken.end(), 0) - taken.begin());
+      if (set_of[v] == sets.size()) sets.emplace_back();
+      sets[set_of[v]].push_back(v);
+    }
+    return sets;
+  }
+
+  /// Vertices of such a set look at their rings alone, and change nothing that another one sees:
+  /// the outcome is the same on any number of threads.
+  void relaxTogether(const std::vector<Index>& set) {
+    parallelBlocks(set.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) relax(set[i], kOverRelaxation);
+    });
+  }
+
   /// A step of Newton's method in the surface, so many times as long, and shorter until its faces
   /// stay positive and their energy falls.
   void relax(Index v, double times) {
     Vertex& vertex = vertices_[v];
     const std::vector<Index>& ring = mesh_.ring(v);
     const std::size_t n = ring.size();
-    faces_.clear();
+    std::vector<FaceDistortion> faces;
+    faces.reserve(n);
     Vector3d gradient = Vector3d::Zero();
     Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
     double longest = 0, before = 0;
@@ -255,9 +286,9 @@ class CoverRefinement {
       return {at, vertices_[ring[i]].space, vertices_[ring[i + 1 == n ? 0 : i + 1]].space};
     };
     for (std::size_t i = 0; i < n; ++i) {
-      faces_.emplace_back(SpaceTriangle{positions_[v], positions_[ring[i]],
-                                        positions_[ring[i + 1 == n ? 0 : i + 1]]});
-      before += faces_.back().differentiate(triangle(vertex.space, i), gradient, hessian);
+      faces.emplace_back(SpaceTriangle{positions_[v], positions_[ring[i]],
+                                       positions_[ring[i + 1 == n ? 0 : i + 1]]});
+      before += faces.back().differentiate(triangle(vertex.space, i), gradient, hessian);
       longest = std::max(longest, (vertices_[ring[i]].space - vertex.space).squaredNorm());
     }
     const double reach = 2 * std::sqrt(longest);
@@ -272,7 +303,7 @@ class CoverRefinement {
       const SurfacePoint image = walk_(vertex.image, step, 256, [&way](Index h) { way.cross(h); });
       const Vector3d space = walk_.place(image);
       double after = 0;
-      for (std::size_t i = 0; i < n; ++i) after += faces_[i].energy(triangle(space, i));
+      for (std::size_t i = 0; i < n; ++i) after += faces[i].energy(triangle(space, i));
       if (!(before - after > enough)) continue;
       if (seen.empty()) seen = ringSeen(v);
       const Vector3d place = cover_.place(image);
@@ -318,7 +349,6 @@ class CoverRefinement {
   std::vector<Vector3d> positions_;  ///< Of a, of area 1.
   std::vector<Vertex> vertices_;
   std::vector<Index> order_;  ///< Those that are there.
-  std::vector<FaceDistortion> faces_;
 };
 
 }  // namespace
