@@ -128,4 +128,25 @@ RingMesh::Collapse RingMesh::restore() {
   return last;
 }
 
+std::vector<std::vector<Index>> separatedSets(const RingMesh& mesh,
+                                              const std::vector<Index>& vertices) {
+  if (vertices.empty()) return {};
+  const std::size_t none = vertices.size();
+  const Index last = *std::max_element(vertices.begin(), vertices.end());
+  std::vector<std::size_t> set_of(static_cast<std::size_t>(last) + 1, none);
+  std::vector<std::vector<Index>> sets;
+  std::vector<char> taken;
+  for (const Index v : vertices) {
+    taken.assign(sets.size() + 1, 0);
+    for (const Index w : mesh.ring(v)) {
+      if (w <= last && set_of[w] != none) taken[set_of[w]] = 1;
+    }
+    const auto free = std::find(taken.begin(), taken.end(), 0);
+    set_of[v] = static_cast<std::size_t>(free - taken.begin());
+    if (set_of[v] == sets.size()) sets.emplace_back();
+    sets[set_of[v]].push_back(v);
+  }
+  return sets;
+}
+
 }  // namespace moduli

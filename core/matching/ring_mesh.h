@@ -72,4 +72,9 @@ class RingMesh {
   Index count_ = 0, pole_ = kNone;
 };
 
+/// Vertices that are present in sets without an edge in one set, greedily in the order given: what
+/// moves a vertex by its ring alone may move a set side by side. O(V).
+std::vector<std::vector<Index>> separatedSets(const RingMesh& mesh,
+                                              const std::vector<Index>& vertices);
+
 }  // namespace moduli

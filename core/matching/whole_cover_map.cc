@@ -92,7 +92,7 @@ class CoverRefinement {
       const auto wanted =
           static_cast<Index>(std::lround(here * std::pow(all / here, level / levels)));
       while (mesh_.vertexCount() < wanted) RETURN_IF_ERROR(restoreOne());
-      const std::vector<std::vector<Index>> sets = separated();
+      const std::vector<std::vector<Index>> sets = separatedSets(mesh_, order_);
       for (int sweep = 0; sweep < (level < levels ? kSweeps : kLastSweeps); ++sweep) {
         RETURN_IF_ERROR(context_.check());
         for (const std::vector<Index>& set : sets) relaxTogether(set);
@@ -245,26 +245,8 @@ class CoverRefinement {
     return sum;
   }
 
-  /// The vertices that are there, in sets without an edge: greedily, in their order.
-  std::vector<std::vector<Index>> separated() const {
-    std::vector<std::vector<Index>> sets;
-    std::vector<std::size_t> set_of(vertices_.size(), vertices_.size());
-    std::vector<char> taken;
-    for (const Index v : order_) {
-      taken.assign(sets.size() + 1, 0);
-      for (const Index w : mesh_.ring(v)) {
-        if (set_of[w] < sets.size()) taken[set_of[w]] = 1;
-      }
-      set_of[v] =
-          static_cast<std::size_t>(std::find(taken.begin(), taken.end(), 0) - taken.begin());
-      if (set_of[v] == sets.size()) sets.emplace_back();
-      sets[set_of[v]].push_back(v);
-    }
-    return sets;
-  }
-
-  /// Vertices of such a set look at their rings alone, and change nothing that another one sees:
-  /// the outcome is the same on any number of threads.
+  /// Vertices of a separated set look at their rings alone, and change nothing that another one
+  /// sees: the outcome is the same on any number of threads.
   void relaxTogether(const std::vector<Index>& set) {
     parallelBlocks(set.size(), kTogether, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) relax(set[i], kOverRelaxation);

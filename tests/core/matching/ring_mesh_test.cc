@@ -170,5 +170,33 @@ TEST(RingMesh, NeedsAClosedSurfaceWithoutDoubledEdges) {
   EXPECT_THAT(RingMesh::make(pillow), FailsWith(Reason::kUnsupportedTopology));
 }
 
+TEST(RingMesh, SeparatesVerticesIntoFewSetsWithoutEdges) {
+  const TriangleMesh sphere = mesh(sample("sphere", {{"resolution", 6}}));
+  RingMesh rings = ringsOf(sphere.connectivity());
+  const Index gone = rings.ring(7).front();
+  ASSERT_TRUE(rings.canCollapse(gone, 7));
+  rings.collapse(gone, 7);
+  std::vector<Index> vertices;
+  std::size_t most = 0;
+  for (Index v = sphere.vertexCount() - 1; v >= 0; --v) {
+    if (!rings.isPresent(v)) continue;
+    vertices.push_back(v);
+    most = std::max(most, rings.ring(v).size());
+  }
+  const auto sets = separatedSets(rings, vertices);
+  EXPECT_LE(sets.size(), most + 1);  // Greedy: one more than the neighbours at most.
+  std::vector<Index> all;
+  for (const std::vector<Index>& set : sets) {
+    all.insert(all.end(), set.begin(), set.end());
+    for (const Index v : set) {
+      for (const Index w : rings.ring(v)) EXPECT_EQ(std::count(set.begin(), set.end(), w), 0);
+    }
+  }
+  std::sort(all.begin(), all.end());
+  std::sort(vertices.begin(), vertices.end());
+  EXPECT_EQ(all, vertices);
+  EXPECT_TRUE(separatedSets(rings, {}).empty());
+}
+
 }  // namespace
 }  // namespace moduli
