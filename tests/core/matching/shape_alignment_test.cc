@@ -101,7 +101,7 @@ TEST(ShapeAlignment, FindsPlacesThroughReliefOnEitherSurface) {
   EXPECT_LT(meanError(relief, back->points), 0.01);
 }
 
-TEST(ShapeAlignment, IsTheSameForARenumberedAndMovedSurface) {
+TEST(ShapeAlignment, IsTheSameForAMovedSurface) {
   const TriangleMesh relief = meshOf(wavy(lump(16, 1))), smooth = meshOf(lump(16, 1)),
                      other = meshOf(moved(lump(16, 1)));
   const auto one = alignRoughly(relief, smooth, 0.1), two = alignRoughly(relief, other, 0.1);
