@@ -34,6 +34,8 @@ constexpr double kPoorDefect = 0.03;
 constexpr double kShapeShare = 1.0 / 3;
 /// and of vertices that have no greater gap than this.
 constexpr double kNearShape = 0.03;
+/// Of more vertices nearest points among all would take too long.
+constexpr Index kMostAligned = 2 * kThinnedVertices;
 
 std::string topologyText(const SurfaceTopology& topology) {
   const auto loops = topology.boundary_loops.size();
@@ -129,7 +131,8 @@ class Matching {
   /// Takes the points of shapes that lie on each other, where the modes tell little.
   Status preferShape(const MatchPair& pair, SpectralGuess& guess) {
     if (guess.method != MatchMethod::kNearIsometry || !(guess.match.defect > kPoorDefect) ||
-        !isClosed()) {
+        !isClosed() ||
+        std::max(pair.coarseA().vertexCount(), pair.coarseB().vertexCount()) > kMostAligned) {
       return {};
     }
     std::vector<Eigen::Vector3d> targets;
