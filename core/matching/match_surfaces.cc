@@ -128,7 +128,8 @@ class Matching {
     return straighten(pair, guess);
   }
 
-  /// Takes the points of shapes that lie on each other, where the modes tell little.
+  /// Takes the points of shapes that lie on each other, where the modes tell little, but not
+  /// anything else.
   Status preferShape(const MatchPair& pair, SpectralGuess& guess) {
     if (guess.method != MatchMethod::kNearIsometry || !(guess.match.defect > kPoorDefect) ||
         !isClosed() ||
@@ -145,6 +146,16 @@ class Matching {
         alignShapes(context_, pair.coarseA(), pair.coarseB(), guess.samples, targets, most));
     if (!shape) return {};
     if (pair.thin_b) shape->points = onWhole(pair.b, *pair.thin_b, shape->points);
+    std::vector<double> moves;
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      const SurfacePoint& point = shape->points[guess.samples[i]];
+      const Eigen::Vector3d place = spacePoint(b_.connectivity(), b_.positions(), point);
+      moves.push_back((place - targets[i]).norm() / std::sqrt(b_.area()));
+    }
+    // Farther away from where the modes are than these err, shapes have slid: round ones do.
+    const auto middle = moves.begin() + static_cast<std::ptrdiff_t>(moves.size() / 2);
+    std::nth_element(moves.begin(), middle, moves.end());
+    if (!(*middle < guess.match.defect)) return {};
     for (std::size_t i = 0; i < guess.points.size(); ++i) {
       if (shape->gaps[i] <= kNearShape) guess.points[i] = shape->points[i];
     }
