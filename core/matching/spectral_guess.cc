@@ -104,12 +104,14 @@ Status locate(Context& context, const MatchPair& pair, const SpectralPair& surfa
 }
 
 /// Of the fine samples, where they are and which way the surface looks there: 6 x samples. The
-/// normals tell both sides of a thin part.
-Eigen::MatrixXd placesOf(const SpectralSurface& surface, double unit) {
+/// normals tell both sides of a thin part. origin: near both surfaces, for floats compare places.
+Eigen::MatrixXd placesOf(const SpectralSurface& surface, const Eigen::Vector3d& origin,
+                         double unit) {
   Eigen::MatrixXd places(6, surface.fine.vertices.size());
   for (Eigen::Index i = 0; i < places.cols(); ++i) {
     const Index v = surface.fine.vertices[static_cast<std::size_t>(i)];
-    places.col(i) << surface.mesh.positions()[v] / unit, kNormalShare * surface.normals[v];
+    places.col(i) << (surface.mesh.positions()[v] - origin) / unit,
+        kNormalShare * surface.normals[v];
   }
   return places;
 }
@@ -405,7 +407,8 @@ Result<SpectralGuess> guessFromPlaces(Context& context, const MatchPair& pair,
   ASSIGN_OR_RETURN(const SpectralPair surfaces, spectralPair(context, pair, MatchMetric::kOwn));
   const auto& [x, y] = surfaces;
   const double unit = std::sqrt(pair.b.area());
-  const SampledModes from = {placesOf(x, unit), {}}, to = {placesOf(y, unit), {}};
+  const Eigen::Vector3d& origin = pair.b.positions().front();
+  const SampledModes from = {placesOf(x, origin, unit), {}}, to = {placesOf(y, origin, unit), {}};
   const SampleMaps maps = nearestSamples(from, to, Eigen::MatrixXd::Identity(6, 6));
   const Eigen::Index modes = std::min({kFirstModes, x.values.size(), y.values.size()});
   SpectralGuess other = guess;
