@@ -2,11 +2,16 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/matching/ring_mesh.h"
+#include "core/matching/ring_place.h"
 #include "core/matching/thinning.h"
 #include "core/spherical/exact_sign.h"
 
@@ -15,100 +20,262 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Steps towards the middle of the kernel.
-constexpr int kSteps = 64;
-/// Halvings of the way from where the vertex was to the middle, and from a neighbour.
+/// Halvings of the way from a neighbour to a point that is in the kernel or on the equator.
 constexpr int kHalvings = 40;
+/// Whenever so many times more vertices have come back, they are moved to where their faces are
+/// least distorted: what is large evens out in few sweeps while few are there.
+constexpr double kGrowth = 1.5;
+constexpr int kSweeps = 4;
+constexpr int kLastSweeps = 16;
+/// Relative to the ring's width: less is no way to speak of.
+constexpr double kStill = 0.01;
+/// Heights of faces above what a motion of the sphere may lose to rounding: three products and sums
+/// for each coordinate of three corners, and as much again.
+constexpr double kFirm = 64 * std::numeric_limits<double>::epsilon();
+/// So many rings of vertices around folded faces are taken out, in turn until there is room.
+constexpr std::array<int, 4> kWidenings = {0, 1, 3, 9};
+/// Folds at needles take in fewer vertices than this part of all; others are ends of limbs that are
+/// smaller on the sphere than doubles tell apart.
+constexpr double kFew = 0.01;
 
-bool isInKernel(const std::vector<Index>& ring, const Points3& points, const Vector3d& p) {
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Vector3d &a = points[ring[i]], &b = points[ring[(i + 1) % ring.size()]];
-    if (spherical::orientationSign(p, a, b) <= 0) return false;
-  }
-  return true;
-}
+class Unfolding {
+ public:
+  Unfolding(Context& context, const TriangleMesh& mesh, Points3 points, Index pole)
+      : context_(context),
+        mesh_(mesh),
+        folded_(std::move(points)),
+        pole_(pole),
+        area_(mesh.area()),
+        unit_(std::sqrt(4 * std::numbers::pi / area_)) {}
 
-/// A point with room on all sides, by steps away from the side that is worst; not in the kernel
-/// where that is thin.
-Vector3d middleOf(const std::vector<Index>& ring, const Points3& points, Vector3d p) {
-  std::vector<Vector3d> sides;
-  for (std::size_t i = 0; i < ring.size(); ++i) {
-    sides.push_back(points[ring[i]].cross(points[ring[(i + 1) % ring.size()]]).stableNormalized());
-  }
-  double width = 0;
-  for (const Index v : ring) width = std::max(width, (points[v] - p).norm());
-  for (int step = 1; step <= kSteps; ++step) {
-    const Vector3d* worst = &sides.front();
-    for (const Vector3d& side : sides) {
-      if (side.dot(p) < worst->dot(p)) worst = &side;
+  Result<Points3> run() {
+    const FaceRule is_positive = [&](Index a, Index b, Index c) { return isPositive(a, b, c); };
+    if (count(cornersOf(is_positive)) == 0) return std::move(folded_);
+    const FaceRule is_sound = [&](Index a, Index b, Index c) {
+      return isPositive(a, b, c) && isLarge(a, b, c);
+    };
+    std::vector<char> out = cornersOf(is_sound);
+    const bool few = static_cast<double>(count(out)) < kFew * mesh_.vertexCount();
+    if (few) RETURN_IF_ERROR(attempt({}, is_sound, false));
+    int rings = 0;
+    for (const int widening : kWidenings) {
+      for (; rings < widening; ++rings) out = widened(out);
+      for (const bool alike : {false, true}) {
+        if (least_infirm_ == 0) break;
+        RETURN_IF_ERROR(attempt(out, is_sound, alike));
+      }
     }
-    p = (p + width / (step + 1) * *worst).normalized();
+    if (least_infirm_ != 0 && pole_ == kNone) RETURN_IF_ERROR(mapAnew());
+    if (!best_) {
+      return Status(Reason::kFoldedMap, "the map to the sphere folds too many faces",
+                    "remesh the surface with fewer thin triangles");
+    }
+    return *std::move(best_);
   }
-  return p;
-}
 
-/// A place in the kernel of a ring: `old` if it is there, else between it and the middle, else
-/// beside `neighbour`, which is on the kernel's edge.
-std::optional<Vector3d> placeIn(const std::vector<Index>& ring, const Points3& points,
-                                const Vector3d& old, Index neighbour) {
-  if (isInKernel(ring, points, old)) return old;
-  Vector3d mean = Vector3d::Zero();
-  for (const Index v : ring) mean += points[v];
-  mean.normalize();
-  const Vector3d middle = middleOf(ring, points, mean);
-  // Half of the way that is needed, and as much again.
-  for (const double share : {0.25, 0.5, 0.75, 1.0}) {
-    const Vector3d p = (old + share * (middle - old)).normalized();
-    if (isInKernel(ring, points, p)) return p;
+ private:
+  bool isPositive(Index a, Index b, Index c) const {
+    return spherical::orientationSign(folded_[a], folded_[b], folded_[c]) > 0;
   }
-  for (const Vector3d& towards : {middle, mean}) {
-    for (double share = 0.5; share > std::ldexp(1.0, -kHalvings); share /= 2) {
-      const Vector3d p = (points[neighbour] + share * (towards - points[neighbour])).normalized();
-      if (isInKernel(ring, points, p)) return p;
+
+  bool isLarge(Index a, Index b, Index c) const {
+    if (pole_ != kNone && (a == pole_ || b == pole_ || c == pole_)) return true;
+    const auto longest = [&](const std::vector<Vector3d>& p) {
+      return std::max({(p[a] - p[b]).norm(), (p[b] - p[c]).norm(), (p[c] - p[a]).norm()});
+    };
+    return longest(folded_) >= kLeastScale * unit_ * longest(mesh_.positions());
+  }
+
+  static std::ptrdiff_t count(const std::vector<char>& set) {
+    return std::count(set.begin(), set.end(), 1);
+  }
+
+  bool mayMove(const RingMesh& rings, Index v) const { return v != pole_ && !rings.isRim(v); }
+
+  /// Per vertex whether it is at a face that does not obey.
+  std::vector<char> cornersOf(const FaceRule& rule) const {
+    std::vector<char> corners(mesh_.vertexCount(), 0);
+    for (const auto& [a, b, c] : mesh_.connectivity().faces()) {
+      if (!rule(a, b, c)) corners[a] = corners[b] = corners[c] = 1;
+    }
+    return corners;
+  }
+
+  std::vector<char> widened(const std::vector<char>& set) const {
+    std::vector<char> wide = set;
+    for (const auto& [a, b, c] : mesh_.connectivity().faces()) {
+      if (set[a] != 0 || set[b] != 0 || set[c] != 0) wide[a] = wide[b] = wide[c] = 1;
+    }
+    return wide;
+  }
+
+  /// Takes `out` out, and whatever else stands in the way of faces that obey the rule; and puts all
+  /// of it back where there is room. alike: evenly, and only then by the shapes of the faces.
+  Status attempt(const std::vector<char>& out, const FaceRule& rule, bool alike) {
+    RETURN_IF_ERROR(context_.check());
+    ASSIGN_OR_RETURN(RingMesh rings, RingMesh::make(mesh_.connectivity(), pole_));
+    points_ = folded_;
+    if (!out.empty()) RETURN_IF_ERROR(thin(rings, out));
+    if (!thinUntil(rings, mesh_.positions(), rule)) return {};
+    return restoreAll(rings, rule, alike);
+  }
+
+  /// By the graph alone, from a tetrahedron, then as little distorted as some sweeps make it.
+  Status mapAnew() {
+    RETURN_IF_ERROR(context_.check());
+    ASSIGN_OR_RETURN(RingMesh rings, RingMesh::make(mesh_.connectivity()));
+    RETURN_IF_ERROR(thin(rings, std::vector<char>(mesh_.vertexCount(), 1)));
+    const FaceRule none = [](Index, Index, Index) { return false; };
+    thinUntil(rings, mesh_.positions(), none);
+    if (rings.vertexCount() != 4) return {};
+    points_.assign(mesh_.vertexCount(), Vector3d::Zero());
+    const auto first = [&] {
+      Index v = 0;
+      while (!rings.isPresent(v)) ++v;
+      return v;
+    }();
+    points_[first] = Vector3d::UnitZ();
+    for (int i = 0; i < 3; ++i) {
+      const double angle = 2 * std::numbers::pi * i / 3;
+      points_[rings.ring(first)[i]] =
+          Vector3d(std::sqrt(8.0) * std::cos(angle), std::sqrt(8.0) * std::sin(angle), -1) / 3;
+    }
+    return restoreAll(rings, none, true);
+  }
+
+  /// Evenly, as far as that goes: what comes back in the opposite order finds room.
+  Status thin(RingMesh& rings, const std::vector<char>& out) {
+    std::vector<char> movable = out;
+    for (Index v = 0; v < mesh_.vertexCount(); ++v) {
+      if (!mayMove(rings, v)) movable[v] = 0;
+    }
+    const auto moving = static_cast<Index>(count(movable));
+    const FaceRule any = [](Index, Index, Index) { return true; };
+    return thinEvenly(context_, rings, mesh_.positions(), movable, any,
+                      mesh_.vertexCount() - moving);
+  }
+
+  Status restoreAll(RingMesh& rings, const FaceRule& rule, bool alike) {
+    moved_.clear();
+    alike_ = alike;
+    std::size_t next = 8;
+    while (rings.vertexCount() < mesh_.vertexCount()) {
+      if (rings.vertexCount() % 1024 == 0) RETURN_IF_ERROR(context_.check());
+      const RingMesh::Collapse last = rings.restore();
+      if (!place(rings, last, rule)) return {};
+      if (moved_.size() < next) continue;
+      sweep(rings, kSweeps);
+      next = static_cast<std::size_t>(kGrowth * static_cast<double>(moved_.size()));
+    }
+    if (alike) keep(rings);
+    alike_ = false;
+    sweep(rings, kLastSweeps);
+    keep(rings);
+    return {};
+  }
+
+  /// What has the fewest faces that a rotation could fold by its rounding.
+  void keep(const RingMesh& rings) {
+    Index infirm = 0;
+    for (const Index v : moved_) {
+      const std::vector<Index>& ring = rings.ring(v);
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Vector3d &p = points_[v], &a = points_[ring[i]];
+        const Vector3d& b = points_[ring[(i + 1) % ring.size()]];
+        const double longest = std::max({(p - a).norm(), (p - b).norm(), (a - b).norm()});
+        if (!(p.dot((a - p).cross(b - p)) > kFirm * longest)) ++infirm;
+      }
+    }
+    // What is less distorted comes later.
+    if (best_ && infirm > least_infirm_) return;
+    best_ = points_;
+    least_infirm_ = infirm;
+  }
+
+  PlacedRing ringOf(const RingMesh& rings, Index v) const {
+    // Of faces that are alike the areas are numbers: there are twice as many as vertices.
+    const double area = alike_ ? 2.0 * rings.vertexCount() : area_;
+    const double least_scale = alike_ ? 1 : kLeastScale;
+    return {v, rings.ring(v), mesh_.positions(), points_, area, least_scale, alike_};
+  }
+
+  /// Where it was, if its faces are good there; else where they are least distorted.
+  bool place(const RingMesh& rings, const RingMesh::Collapse& last, const FaceRule& rule) {
+    const Index v = last.removed;
+    const PlacedRing ring = ringOf(rings, v);
+    points_[v] = folded_[v];
+    if (isGood(ring, rule)) return true;
+    std::optional<Vector3d> p =
+        rings.isRim(v) ? onRim(rings, last) : kernelCentre(ring, points_[last.kept]);
+    if (!p) return false;
+    points_[v] = *p;
+    if (mayMove(rings, v)) {
+      points_[v] = leastDistorted(ring, *p);
+      moved_.push_back(v);
+    }
+    return true;
+  }
+
+  bool isGood(const PlacedRing& ring, const FaceRule& rule) const {
+    if (!isInKernel(ring, points_[ring.vertex])) return false;
+    // By where the neighbours are now, and not where they were.
+    for (const Index w : ring.ring) {
+      if (points_[w] != folded_[w]) return false;
+    }
+    for (std::size_t i = 0; i < ring.ring.size(); ++i) {
+      if (!rule(ring.vertex, ring.ring[i], ring.ring[(i + 1) % ring.ring.size()])) return false;
+    }
+    return true;
+  }
+
+  /// On the equator, between the neighbours there.
+  std::optional<Vector3d> onRim(const RingMesh& rings, const RingMesh::Collapse& last) const {
+    const PlacedRing ring = ringOf(rings, last.removed);
+    const Vector3d& from = points_[last.kept];
+    for (const Index other : ring.ring) {
+      if (other == last.kept || !rings.isRim(other)) continue;
+      for (double share = 0.5; share > std::ldexp(1.0, -kHalvings); share /= 2) {
+        // Of height 0, as both are.
+        const Vector3d p = (from + share * (points_[other] - from)).normalized();
+        if (isInKernel(ring, p)) return p;
+      }
+    }
+    return {};
+  }
+
+  /// Moves what has moved once to where its faces are least distorted, until that is no way.
+  void sweep(const RingMesh& rings, int sweeps) {
+    for (int n = 0; n < sweeps; ++n) {
+      double farthest = 0;
+      for (const Index v : moved_) {
+        const Vector3d p = leastDistorted(ringOf(rings, v), points_[v]);
+        double width = 0;
+        for (const Index w : rings.ring(v)) width = std::max(width, (points_[w] - p).norm());
+        farthest = std::max(farthest, (p - points_[v]).norm() / width);
+        points_[v] = p;
+      }
+      if (farthest < kStill) return;
     }
   }
-  return {};
-}
 
-/// The same on the equator, between the neighbours there: `old`, the middle, or beside `neighbour`.
-std::optional<Vector3d> placeOnRim(const RingMesh& mesh, Index v, const Points3& points,
-                                   Index neighbour) {
-  const std::vector<Index>& ring = mesh.ring(v);
-  if (isInKernel(ring, points, points[v])) return points[v];
-  for (const Index other : ring) {
-    if (other == neighbour || !mesh.isRim(other)) continue;
-    for (double share = 0.5; share > std::ldexp(1.0, -kHalvings); share /= 2) {
-      // Of height 0, as both are.
-      const Vector3d p =
-          (points[neighbour] + share * (points[other] - points[neighbour])).normalized();
-      if (isInKernel(ring, points, p)) return p;
-    }
-  }
-  return {};
-}
+  Context& context_;
+  const TriangleMesh& mesh_;
+  Points3 folded_;
+  Index pole_;
+  double area_, unit_;
+  Points3 points_;
+  std::vector<Index> moved_;  ///< Of those that are back.
+  bool alike_ = false;
+  std::optional<Points3> best_;
+  Index least_infirm_ = kNone;
+};
 
 }  // namespace
 
 Result<Points3> unfoldSphere(Context& context, const TriangleMesh& mesh, Points3 points,
                              Index pole) {
-  RETURN_IF_ERROR(context.check());
-  ASSIGN_OR_RETURN(RingMesh rings, RingMesh::make(mesh.connectivity(), pole));
-  const FaceRule rule = [&](Index a, Index b, Index c) {
-    return spherical::orientationSign(points[a], points[b], points[c]) > 0;
-  };
-  const Status folded(Reason::kFoldedMap, "the map to the sphere folds too many faces",
-                      "remesh the surface with fewer thin triangles");
-  if (!thinUntil(rings, mesh.positions(), rule)) return folded;
-  while (rings.vertexCount() < mesh.vertexCount()) {
-    const RingMesh::Collapse last = rings.restore();
-    const std::optional<Vector3d> place =
-        rings.isRim(last.removed)
-            ? placeOnRim(rings, last.removed, points, last.kept)
-            : placeIn(rings.ring(last.removed), points, points[last.removed], last.kept);
-    if (!place) return folded;
-    points[last.removed] = *place;
-  }
-  return points;
+  const Context::Stage stage(context, "unfold");
+  return Unfolding(context, mesh, std::move(points), pole).run();
 }
 
 }  // namespace moduli

@@ -1,5 +1,6 @@
 #include "core/spherical/robust_map.h"
 
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -9,6 +10,34 @@
 #include "core/spherical/plane_lift.h"
 
 namespace moduli {
+
+namespace {
+
+/// Puts what the layout lost, ends of limbs shorter than the least double, where their neighbours
+/// are.
+void closeRanks(const Connectivity& surface, std::vector<std::complex<double>>& points) {
+  const auto isThere = [&](Index v) {
+    return std::isfinite(points[v].real()) && std::isfinite(points[v].imag());
+  };
+  std::vector<Index> queue;
+  for (Index v = 0; v < surface.vertexCount(); ++v) {
+    if (isThere(v)) queue.push_back(v);
+  }
+  if (queue.size() == points.size()) return;
+  for (std::size_t i = 0; i < queue.size(); ++i) {
+    Index h = surface.outgoing(queue[i]);
+    do {
+      const Index w = surface.head(h);
+      if (!isThere(w)) {
+        points[w] = points[queue[i]];
+        queue.push_back(w);
+      }
+      h = surface.rotate(h);
+    } while (h != surface.outgoing(queue[i]));
+  }
+}
+
+}  // namespace
 
 IdealStart startOf(const PuncturedSphereMetric& metric) {
   return {metric.infinity, metric.metric.u};
@@ -53,6 +82,7 @@ Result<IdealPolyhedron> mapToIdealPolyhedron(Context& context, const Connectivit
   const Context::Stage stage(context, "layout");
   PuncturedLayout layout = layOutPunctured(metric);
   for (std::complex<double>& z : layout.points) z = std::conj(z);
+  closeRanks(surface, layout.points);
   const std::vector<double> areas = vertexAreas(surface, lengths);
   std::vector<double> weights = areas;
   weights[metric.infinity] = 0;
@@ -77,6 +107,12 @@ Result<SphereMap> mapToSphereRobust(Context& context, const Connectivity& surfac
     options.start = start.u;
     Result<IdealPolyhedron> ideal =
         mapToIdealPolyhedron(context, surface, lengths, positions, options);
+    if (!start.u.empty() && ideal.status().reason() == Reason::kNoConvergence) {
+      // What is far away for one triangulation may be farther for the other.
+      options.infinity = kNone;
+      options.start.clear();
+      ideal = mapToIdealPolyhedron(context, surface, lengths, positions, options);
+    }
     if (!ideal.ok()) {
       if (ideal.status().reason() != Reason::kNoConvergence) return ideal.status();
       failure = ideal.status();
