@@ -25,13 +25,14 @@ Result<ConformalSphere> conformalSphere(Context& context, const TriangleMesh& me
   Result<SphereMap> map =
       mapToSphereRobust(context, surface, sphere.lengths, mesh.positions(), initial_delaunay);
   if (map.status().reason() == Reason::kNoConvergence) {
-    map = mapToSphereLinear(context, surface, sphere.lengths);
+    map = mapToSphereFolding(context, surface, sphere.lengths);
+  }
+  if (map.status().reason() == Reason::kNoConvergence) {
+    // Of points at 0 every face is folded.
+    map = SphereMap{Points3(mesh.vertexCount(), Eigen::Vector3d::Zero()), {}};
   }
   RETURN_IF_ERROR(map.status());
-  sphere.points = std::move(map->points);
-  if (map->quality.flipped_faces > 0) {
-    ASSIGN_OR_RETURN(sphere.points, unfoldSphere(context, mesh, std::move(sphere.points)));
-  }
+  ASSIGN_OR_RETURN(sphere.points, unfoldSphere(context, mesh, std::move(map->points)));
   return sphere;
 }
 

@@ -15,9 +15,11 @@ struct ConformalSphere {
   Points3 points;               ///< Per vertex on the unit sphere; no face folded.
 };
 
-/// A conformal map without folded faces: the few that the robust one folds are moved. mesh: closed,
-/// of genus 0. initial_delaunay: as in mapToSphereRobust. Fails as mollify, mapToSphereRobust,
-/// mapToSphereLinear and unfoldSphere do.
+/// A conformal map without folded faces: those of the robust map, or of the linear one where
+/// needles keep that from its end, are unfolded (unfoldSphere), which costs nothing where there are
+/// none. Limbs that are too long for the doubles of a conformal map are distorted. mesh: closed, of
+/// genus 0. initial_delaunay: as in mapToSphereRobust. Fails as mollify, mapToSphereRobust and
+/// unfoldSphere do, but for kNoConvergence.
 Result<ConformalSphere> conformalSphere(Context& context, const TriangleMesh& mesh,
                                         bool initial_delaunay);
 

@@ -8,6 +8,7 @@
 #include "core/intrinsic/mollify.h"
 #include "core/matching/conformal_sphere.h"
 #include "core/matching/homeomorphism.h"
+#include "core/matching/unfold_sphere.h"
 #include "core/matching/whole_map.h"
 #include "core/spherical/landmark_map.h"
 
@@ -73,14 +74,16 @@ class SphereMatching {
     return conformalSphere(context, mesh, options_.initial_delaunay);
   }
 
-  /// A's sphere, or that of what stands for it, moved onto B's.
+  /// A's sphere, or that of what stands for it, moved onto B's. What is very small may fold on the
+  /// way, by rounding.
   Result<Points3> align(const SphereLocator& b, bool coarse) {
     std::vector<PointPair> pairs;
     for (const Index i : guess_.samples) {
       pairs.push_back({sphere_a_.points[coarse ? i : guess_.vertices[i]],
                        spherePoint(b_.connectivity(), b.points(), guess_.points[i])});
     }
-    return broughtNear(sphere_a_.points, pairs);
+    ASSIGN_OR_RETURN(Points3 points, broughtNear(sphere_a_.points, pairs));
+    return unfoldSphere(context_, coarse ? pair_.coarseA() : a_, std::move(points));
   }
 
   std::vector<VertexTarget> targets(bool coarse) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -34,9 +35,12 @@ constexpr double kStill = 0.01;
 constexpr double kFirm = 64 * std::numeric_limits<double>::epsilon();
 /// So many rings of vertices around folded faces are taken out, in turn until there is room.
 constexpr std::array<int, 4> kWidenings = {0, 1, 3, 9};
-/// Folds at needles take in fewer vertices than this part of all; others are ends of limbs that are
-/// smaller on the sphere than doubles tell apart.
-constexpr double kFew = 0.01;
+/// How vertices are put back.
+enum class Manner : std::uint8_t {
+  kNearby,  ///< No farther from where they were than there is need.
+  kShaped,  ///< Where their faces are least distorted.
+  kAlike,   ///< As if all faces were equilateral, and only then by their shapes.
+};
 
 class Unfolding {
  public:
@@ -51,18 +55,20 @@ class Unfolding {
   Result<Points3> run() {
     const FaceRule is_positive = [&](Index a, Index b, Index c) { return isPositive(a, b, c); };
     if (count(cornersOf(is_positive)) == 0) return std::move(folded_);
+    const Context::Stage stage(context_, "unfold");
+    const FaceRule is_large = [&](Index a, Index b, Index c) { return isLarge(a, b, c); };
     const FaceRule is_sound = [&](Index a, Index b, Index c) {
       return isPositive(a, b, c) && isLarge(a, b, c);
     };
+    // Folds at needles; others are ends of limbs, which doubles do not tell apart.
+    if (count(cornersOf(is_large)) == 0) RETURN_IF_ERROR(attempt({}, is_sound, Manner::kNearby));
     std::vector<char> out = cornersOf(is_sound);
-    const bool few = static_cast<double>(count(out)) < kFew * mesh_.vertexCount();
-    if (few) RETURN_IF_ERROR(attempt({}, is_sound, false));
     int rings = 0;
     for (const int widening : kWidenings) {
       for (; rings < widening; ++rings) out = widened(out);
-      for (const bool alike : {false, true}) {
+      for (const Manner manner : {Manner::kShaped, Manner::kAlike}) {
         if (least_infirm_ == 0) break;
-        RETURN_IF_ERROR(attempt(out, is_sound, alike));
+        RETURN_IF_ERROR(attempt(out, is_sound, manner));
       }
     }
     if (least_infirm_ != 0 && pole_ == kNone) RETURN_IF_ERROR(mapAnew());
@@ -110,14 +116,14 @@ class Unfolding {
   }
 
   /// Takes `out` out, and whatever else stands in the way of faces that obey the rule; and puts all
-  /// of it back where there is room. alike: evenly, and only then by the shapes of the faces.
-  Status attempt(const std::vector<char>& out, const FaceRule& rule, bool alike) {
+  /// of it back where there is room.
+  Status attempt(const std::vector<char>& out, const FaceRule& rule, Manner manner) {
     RETURN_IF_ERROR(context_.check());
     ASSIGN_OR_RETURN(RingMesh rings, RingMesh::make(mesh_.connectivity(), pole_));
     points_ = folded_;
     if (!out.empty()) RETURN_IF_ERROR(thin(rings, out));
     if (!thinUntil(rings, mesh_.positions(), rule)) return {};
-    return restoreAll(rings, rule, alike);
+    return restoreAll(rings, rule, manner);
   }
 
   /// By the graph alone, from a tetrahedron, then as little distorted as some sweeps make it.
@@ -140,7 +146,7 @@ class Unfolding {
       points_[rings.ring(first)[i]] =
           Vector3d(std::sqrt(8.0) * std::cos(angle), std::sqrt(8.0) * std::sin(angle), -1) / 3;
     }
-    return restoreAll(rings, none, true);
+    return restoreAll(rings, none, Manner::kAlike);
   }
 
   /// Evenly, as far as that goes: what comes back in the opposite order finds room.
@@ -155,21 +161,23 @@ class Unfolding {
                       mesh_.vertexCount() - moving);
   }
 
-  Status restoreAll(RingMesh& rings, const FaceRule& rule, bool alike) {
+  Status restoreAll(RingMesh& rings, const FaceRule& rule, Manner manner) {
     moved_.clear();
-    alike_ = alike;
+    manner_ = manner;
     std::size_t next = 8;
     while (rings.vertexCount() < mesh_.vertexCount()) {
       if (rings.vertexCount() % 1024 == 0) RETURN_IF_ERROR(context_.check());
       const RingMesh::Collapse last = rings.restore();
       if (!place(rings, last, rule)) return {};
-      if (moved_.size() < next) continue;
+      if (manner == Manner::kNearby || moved_.size() < next) continue;
       sweep(rings, kSweeps);
       next = static_cast<std::size_t>(kGrowth * static_cast<double>(moved_.size()));
     }
-    if (alike) keep(rings);
-    alike_ = false;
-    sweep(rings, kLastSweeps);
+    if (manner == Manner::kAlike) keep(rings);
+    if (manner != Manner::kNearby) {
+      manner_ = Manner::kShaped;
+      sweep(rings, kLastSweeps);
+    }
     keep(rings);
     return {};
   }
@@ -193,39 +201,48 @@ class Unfolding {
   }
 
   PlacedRing ringOf(const RingMesh& rings, Index v) const {
+    const bool alike = manner_ == Manner::kAlike;
     // Of faces that are alike the areas are numbers: there are twice as many as vertices.
-    const double area = alike_ ? 2.0 * rings.vertexCount() : area_;
-    const double least_scale = alike_ ? 1 : kLeastScale;
-    return {v, rings.ring(v), mesh_.positions(), points_, area, least_scale, alike_};
+    const double area = alike ? 2.0 * rings.vertexCount() : area_;
+    const double least_scale = alike ? 1 : kLeastScale;
+    return {v, rings.ring(v), mesh_.positions(), points_, area, least_scale, alike};
   }
 
-  /// Where it was, if its faces are good there; else where they are least distorted.
   bool place(const RingMesh& rings, const RingMesh::Collapse& last, const FaceRule& rule) {
     const Index v = last.removed;
     const PlacedRing ring = ringOf(rings, v);
-    points_[v] = folded_[v];
-    if (isGood(ring, rule)) return true;
-    std::optional<Vector3d> p =
+    if (mayStay(ring, rule)) return true;
+    const std::optional<Vector3d> p =
         rings.isRim(v) ? onRim(rings, last) : kernelCentre(ring, points_[last.kept]);
     if (!p) return false;
     points_[v] = *p;
-    if (mayMove(rings, v)) {
-      points_[v] = leastDistorted(ring, *p);
-      moved_.push_back(v);
+    if (!mayMove(rings, v)) return true;
+    moved_.push_back(v);
+    points_[v] = manner_ == Manner::kNearby ? towards(ring, *p) : leastDistorted(ring, *p);
+    return true;
+  }
+
+  /// Whether a vertex may be where it was, by its faces there and not among others that have moved;
+  /// or whatever they are, if it is to be nearby.
+  bool mayStay(const PlacedRing& ring, const FaceRule& rule) {
+    const Vector3d& here = points_[ring.vertex] = folded_[ring.vertex];
+    if (!isInKernel(ring, here)) return false;
+    if (manner_ == Manner::kNearby) return true;
+    for (std::size_t i = 0; i < ring.ring.size(); ++i) {
+      const Index a = ring.ring[i], b = ring.ring[(i + 1) % ring.ring.size()];
+      if (points_[a] != folded_[a] || !rule(ring.vertex, a, b)) return false;
     }
     return true;
   }
 
-  bool isGood(const PlacedRing& ring, const FaceRule& rule) const {
-    if (!isInKernel(ring, points_[ring.vertex])) return false;
-    // By where the neighbours are now, and not where they were.
-    for (const Index w : ring.ring) {
-      if (points_[w] != folded_[w]) return false;
+  /// Half of the way that is needed to a point of the kernel, and as much again.
+  Vector3d towards(const PlacedRing& ring, const Vector3d& inside) const {
+    const Vector3d& old = folded_[ring.vertex];
+    for (const double share : {0.25, 0.5, 0.75}) {
+      const Vector3d p = (old + share * (inside - old)).normalized();
+      if (isInKernel(ring, p)) return p;
     }
-    for (std::size_t i = 0; i < ring.ring.size(); ++i) {
-      if (!rule(ring.vertex, ring.ring[i], ring.ring[(i + 1) % ring.ring.size()])) return false;
-    }
-    return true;
+    return inside;
   }
 
   /// On the equator, between the neighbours there.
@@ -265,7 +282,7 @@ class Unfolding {
   double area_, unit_;
   Points3 points_;
   std::vector<Index> moved_;  ///< Of those that are back.
-  bool alike_ = false;
+  Manner manner_ = Manner::kNearby;
   std::optional<Points3> best_;
   Index least_infirm_ = kNone;
 };
@@ -274,7 +291,7 @@ class Unfolding {
 
 Result<Points3> unfoldSphere(Context& context, const TriangleMesh& mesh, Points3 points,
                              Index pole) {
-  const Context::Stage stage(context, "unfold");
+  RETURN_IF_ERROR(context.check());
   return Unfolding(context, mesh, std::move(points), pole).run();
 }
 

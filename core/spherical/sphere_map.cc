@@ -116,11 +116,16 @@ class LinearMap {
 
 }  // namespace
 
-Result<SphereMap> mapToSphereLinear(Context& context, const Connectivity& surface,
-                                    const std::vector<double>& lengths) {
+Result<SphereMap> mapToSphereFolding(Context& context, const Connectivity& surface,
+                                     const std::vector<double>& lengths) {
   RETURN_IF_ERROR(spherical::checkSphere(surface));
   const Context::Stage stage(context, "sphere map");
-  ASSIGN_OR_RETURN(SphereMap map, LinearMap(surface, lengths).compute(context));
+  return LinearMap(surface, lengths).compute(context);
+}
+
+Result<SphereMap> mapToSphereLinear(Context& context, const Connectivity& surface,
+                                    const std::vector<double>& lengths) {
+  ASSIGN_OR_RETURN(SphereMap map, mapToSphereFolding(context, surface, lengths));
   if (map.quality.flipped_faces > 0) {
     return Status(
         Reason::kFoldedMap,

@@ -32,4 +32,9 @@ struct SphereMap {
 Result<SphereMap> mapToSphereLinear(Context& context, const Connectivity& surface,
                                     const std::vector<double>& lengths);
 
+/// The same with the faces it folds, of which `quality` has the number: a start for what unfolds
+/// them.
+Result<SphereMap> mapToSphereFolding(Context& context, const Connectivity& surface,
+                                     const std::vector<double>& lengths);
+
 }  // namespace moduli
