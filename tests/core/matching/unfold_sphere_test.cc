@@ -1,7 +1,11 @@
 #include "core/matching/unfold_sphere.h"
 
+#include <limits>
+
+#include "core/matching/conformal_sphere.h"
 #include "core/mesh/samples.h"
 #include "core/spherical/map_quality.h"
+#include "tests/core/matching/ball_with_limbs.h"
 #include "tests/core/testing.h"
 
 namespace moduli {
@@ -41,14 +45,55 @@ TEST(UnfoldSphere, MovesOnlyTheVerticesOfFoldedFaces) {
   EXPECT_LE(changed, 12);  // Those three, and a few that stood in their way.
 }
 
-TEST(UnfoldSphere, SaysWhereNothingIsLeft) {
-  const TriangleMesh mesh = sphere(4);
+TEST(UnfoldSphere, MapsAnewWhereNothingIsLeft) {
+  const TriangleMesh mesh = sphere(12);
+  Context context;
   Points3 inside_out = mesh.positions();
   for (Eigen::Vector3d& p : inside_out) p = -p;
-  for (Eigen::Vector3d& p : inside_out) p.x() = -p.x();
-  for (Eigen::Vector3d& p : inside_out) p.y() = -p.y();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const Points3& nothing :
+       {Points3(mesh.vertexCount(), Eigen::Vector3d::Zero()),
+        Points3(mesh.vertexCount(), Eigen::Vector3d::UnitX()),
+        Points3(mesh.vertexCount(), Eigen::Vector3d::Constant(nan)), inside_out}) {
+    const auto points = unfoldSphere(context, mesh, nothing);
+    ASSERT_OK(points);
+    const MapQuality quality = measureSphereMap(mesh.connectivity(), mesh.edgeLengths(), *points);
+    EXPECT_EQ(quality.flipped_faces, 0);
+    EXPECT_NEAR(quality.covering_degree, 1, 1e-9);
+  }
+}
+
+TEST(UnfoldSphere, ALimbThatIsOnePointComesBackAndTheBallStays) {
+  // A limb's vertices fell together, as they do where doubles end.
+  const TriangleMesh mesh = ballWithLimbs(10, 4);
   Context context;
-  EXPECT_THAT(unfoldSphere(context, mesh, inside_out), FailsWith(Reason::kFoldedMap));
+  const auto sphere = conformalSphere(context, mesh, true);
+  ASSERT_OK(sphere);
+  Points3 fallen = sphere->points;
+  // One is along (1, 0.1, 0.2), and begins at 1.
+  const auto isFar = [&](Index v) { return mesh.positions()[v].x() > 1.5; };
+  Index first = 0;
+  while (!isFar(first)) ++first;
+  for (Index v = 0; v < mesh.vertexCount(); ++v) {
+    if (isFar(v)) fallen[v] = sphere->points[first];
+  }
+  const auto points = unfoldSphere(context, mesh, fallen);
+  ASSERT_OK(points);
+  const MapQuality quality = measureSphereMap(mesh.connectivity(), mesh.edgeLengths(), *points);
+  EXPECT_EQ(quality.flipped_faces, 0);
+  EXPECT_NEAR(quality.covering_degree, 1, 1e-9);
+  for (Index v = 0; v < mesh.vertexCount(); ++v) {
+    if (mesh.positions()[v].x() < 0.5) {
+      EXPECT_EQ((*points)[v], sphere->points[v]);
+    }
+  }
+}
+
+TEST(UnfoldSphere, SaysWhereNothingIsLeftOfADisk) {
+  const TriangleMesh mesh = sphere(4);
+  Context context;
+  const Points3 nothing(mesh.vertexCount(), Eigen::Vector3d::Zero());
+  EXPECT_THAT(unfoldSphere(context, mesh, nothing, 0), FailsWith(Reason::kFoldedMap));
 }
 
 }  // namespace
