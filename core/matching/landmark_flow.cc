@@ -11,9 +11,11 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/matching/border_places.h"
 #include "core/matching/boundary_links.h"
 #include "core/matching/equivariant_map.h"
+#include "core/matching/flow_kernel.h"
 #include "core/mesh/double_cover.h"
 
 namespace moduli {
@@ -23,22 +25,7 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Of a kernel, in ways that its landmark has before it at first.
-constexpr double kReach = 6;
-/// And at least, in edges.
-constexpr double kEdges = 3;
-/// Of a kernel's reach: how far a landmark goes in one step.
-constexpr double kStep = 0.1;
-constexpr double kMet = 1e-7;
 constexpr double kSameMotion = 1e-6;
-constexpr int kMostSteps = 200, kMostHalvings = 12;
-
-/// Smooth, 1 at 0 and 0 from 1 on.
-double kernel(double x) {
-  if (!(x < 1)) return 0;
-  const double rest = (1 - x) * (1 - x);
-  return rest * rest * (4 * x + 1);
-}
 
 /// What a landmark sees around it.
 struct View {
@@ -68,22 +55,27 @@ class Flow {
         halfedges_(std::move(problem.halfedges)),
         links_(std::move(problem.links)),
         moves_(surface_.vertexCount(), Motion::Identity()),
-        goals_(std::move(problem.goals)) {
+        goals_(std::move(problem.goals)),
+        rests_(points_.size(), false) {
     halfedges_.resize(points_.size(), kNone);
   }
 
-  /// All but the map.
-  Result<LandmarkFlow> run() {
+  /// All but the map. partly: a landmark beside a fold stays where it is, and the others go on.
+  Result<LandmarkFlow> run(bool partly) {
     LandmarkFlow result;
     findTravels();
     double share = 1;  // Of what a step could be.
-    int halvings = 0;
+    int halvings = 0, steps = 0;
     while (!met()) {
       RETURN_IF_ERROR(context_.check());
-      if (++result.steps > kMostSteps || halvings > kMostHalvings) {
+      if (++steps > kMostFlowSteps || halvings > kMostFlowHalvings) {
         result.met = false;
-        break;
+        if (!partly || !stayBehind()) break;
+        share = 1;
+        halvings = steps = 0;
+        continue;
       }
+      ++result.steps;
       if (step(share)) {
         share = std::min(1.0, 2 * share);
         halvings = std::max(0, halvings - 1);
@@ -92,7 +84,8 @@ class Flow {
         ++halvings;
       }
     }
-    result.around = result.met ? std::vector<std::size_t>() : around_;
+    if (!result.met) result.around = around_;
+    std::sort(result.around.begin(), result.around.end());
     return result;
   }
 
@@ -135,6 +128,7 @@ class Flow {
 
   /// In the landmark's frame.
   Vector2d wayLeft(std::size_t i) const {
+    if (rests_[i]) return Vector2d::Zero();
     return freedom(i) * plane_.wayTo(Vector3d(plane_.inverse(frameOf(i)) * goals_[i]));
   }
 
@@ -146,9 +140,17 @@ class Flow {
     return longest;
   }
 
+  /// The one nearest to the last fold that has not come to rest; false where there is none.
+  bool stayBehind() {
+    if (around_.empty()) return false;
+    rests_[around_.front()] = true;
+    around_.clear();
+    return true;
+  }
+
   bool met() const {
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      if (wayLeft(i).norm() > kMet * edgeAt(i)) return false;
+      if (wayLeft(i).norm() > kFlowMet * edgeAt(i)) return false;
     }
     return true;
   }
@@ -179,7 +181,7 @@ class Flow {
 
   double shareAt(const View& view, Index v) const {
     const auto seen = view.motions.find(v);
-    return seen == view.motions.end() ? 0 : kernel(distanceTo(seen->second) / view.reach);
+    return seen == view.motions.end() ? 0 : flowKernel(distanceTo(seen->second) / view.reach);
   }
 
   struct Candidate {
@@ -197,7 +199,7 @@ class Flow {
   /// ends before.
   View lookAround(std::size_t i) const {
     View view;
-    view.reach = std::max(kReach * travel_[i], kEdges * edgeAt(i));
+    view.reach = std::max(kFlowReach * travel_[i], kFlowEdges * edgeAt(i));
     const Motion back = plane_.inverse(frameOf(i));
     std::priority_queue<Candidate> queue;
     const std::array<Motion, 3> at = corners(i);
@@ -212,7 +214,7 @@ class Flow {
       if (!is_new) {
         const Motion around = plane_.inverse(known->second) * next.motion;
         if (distanceToUnit(around) > kSameMotion * (1 + next.motion(2, 2))) {
-          view.reach = std::max(distanceTo(known->second), kEdges * edgeAt(i) / 2);
+          view.reach = std::max(distanceTo(known->second), kFlowEdges * edgeAt(i) / 2);
         }
         continue;
       }
@@ -235,7 +237,7 @@ class Flow {
   Matrix2d carried(const View& view, const Motion& motion) const {
     const Vector2d way = plane_.wayTo(motion.col(2));
     const Motion turn = plane_.inverse(plane_.shift(way)) * motion;
-    return kernel(way.norm() / view.reach) * turn.topLeftCorner<2, 2>().transpose();
+    return flowKernel(way.norm() / view.reach) * turn.topLeftCorner<2, 2>().transpose();
   }
 
   /// The same of all that goes with a landmark: of a double, its mirror image moves alike.
@@ -298,13 +300,16 @@ class Flow {
     }
   }
 
-  /// Goes on, with every landmark at most kStep of its reach; false where that would fold a face.
+  /// Goes on, with every landmark at most kFlowStep of its reach; false where that would fold a
+  /// face.
   bool step(double share) {
-    std::vector<View> views;
+    std::vector<View> views(points_.size());
+    parallelBlocks(views.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) views[i] = lookAround(i);
+    });
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      views.push_back(lookAround(i));
       const double left = wayLeft(i).norm();
-      if (share * left > kStep * views[i].reach) share = kStep * views[i].reach / left;
+      if (share * left > kFlowStep * views[i].reach) share = kFlowStep * views[i].reach / left;
     }
     const std::vector<Vector2d> vectors = strengths(views, share);
     std::unordered_map<Index, Vector2d> ways;
@@ -339,10 +344,11 @@ class Flow {
     return true;
   }
 
-  /// The two landmarks that are nearest to folded faces, of those that move them.
+  /// The two landmarks that are nearest to folded faces, of those that move them and go on.
   void blame(const std::vector<View>& views, const std::vector<bool>& folded) {
     std::vector<std::pair<double, std::size_t>> found;
     for (std::size_t i = 0; i < views.size(); ++i) {
+      if (rests_[i]) continue;
       double nearest = std::numeric_limits<double>::infinity();
       for (Index f = 0; f < surface_.faceCount(); ++f) {
         if (!folded[f]) continue;
@@ -359,7 +365,6 @@ class Flow {
     for (std::size_t i = 0; i < std::min<std::size_t>(2, found.size()); ++i) {
       around_.push_back(found[i].second);
     }
-    std::sort(around_.begin(), around_.end());
   }
 
   Context& context_;
@@ -371,8 +376,9 @@ class Flow {
   VertexLinks links_;
   std::vector<Motion> moves_;
   std::vector<Vector3d> goals_;
+  std::vector<bool> rests_;  ///< Per landmark: whether it has given up.
   std::vector<double> travel_;
-  std::vector<std::size_t> around_;
+  std::vector<std::size_t> around_;  ///< Landmarks near the last fold, nearest first.
 };
 
 std::vector<SurfacePoint> pointsOf(const std::vector<CoverLandmark>& landmarks) {
@@ -439,14 +445,14 @@ class Doubling {
 
 Result<LandmarkFlow> flowToLandmarks(Context& context, const Connectivity& surface,
                                      const CoverSurface& cover, const CoverMap& map,
-                                     const std::vector<CoverLandmark>& landmarks) {
+                                     const std::vector<CoverLandmark>& landmarks, bool partly) {
   const Context::Stage stage(context, "landmarks");
   Flow flow(context, cover.geometry,
             {.surface = surface,
              .links = linksOf(surface, cover, map),
              .points = pointsOf(landmarks),
              .goals = nearestGoals(surface, cover, map, landmarks)});
-  ASSIGN_OR_RETURN(LandmarkFlow result, flow.run());
+  ASSIGN_OR_RETURN(LandmarkFlow result, flow.run(partly));
   follow(surface, cover, map, flow.moves(), result);
   return result;
 }
@@ -454,7 +460,7 @@ Result<LandmarkFlow> flowToLandmarks(Context& context, const Connectivity& surfa
 Result<LandmarkFlow> flowToLandmarks(Context& context, const Connectivity& surface,
                                      const TriangleMesh& b, const CoverSurface& cover,
                                      const CoverMap& map,
-                                     const std::vector<CoverLandmark>& landmarks) {
+                                     const std::vector<CoverLandmark>& landmarks, bool partly) {
   const Context::Stage stage(context, "landmarks");
   ASSIGN_OR_RETURN(DoubleCover doubled, doubleCover(surface));
   const VertexLinks links = linksOf(surface, cover, map);
@@ -476,7 +482,7 @@ Result<LandmarkFlow> flowToLandmarks(Context& context, const Connectivity& surfa
     problem.goals[i] = doubling.back(surface.tail(3 * marks[i].point.face)) * problem.goals[i];
   }
   Flow flow(context, cover.geometry, std::move(problem));
-  ASSIGN_OR_RETURN(LandmarkFlow result, flow.run());
+  ASSIGN_OR_RETURN(LandmarkFlow result, flow.run(partly));
   follow(surface, cover, map, doubling.moves(flow.moves()), result);
   return result;
 }

@@ -44,7 +44,7 @@ class Meeting {
     if (!meeting_.soft.empty()) {
       std::vector<CoverLandmark> all = onCover(meeting_.exact);
       for (CoverLandmark& landmark : onCover(meeting_.soft)) all.push_back(std::move(landmark));
-      ASSIGN_OR_RETURN(LandmarkFlow flow, flowTo(all, match.map));
+      ASSIGN_OR_RETURN(LandmarkFlow flow, flowTo(all, match.map, true));
       ASSIGN_OR_RETURN(match, drawnBack(std::move(flow.map)));
     }
     if (meeting_.exact.empty()) return match;
@@ -78,9 +78,11 @@ class Meeting {
 
   const Connectivity& surface() const { return meeting_.a.connectivity(); }
 
-  Result<LandmarkFlow> flowTo(const std::vector<CoverLandmark>& landmarks, const CoverMap& map) {
-    if (is_closed_) return flowToLandmarks(context_, surface(), meeting_.cover, map, landmarks);
-    return flowToLandmarks(context_, surface(), meeting_.b, meeting_.cover, map, landmarks);
+  Result<LandmarkFlow> flowTo(const std::vector<CoverLandmark>& landmarks, const CoverMap& map,
+                              bool partly = false) {
+    if (is_closed_)
+      return flowToLandmarks(context_, surface(), meeting_.cover, map, landmarks, partly);
+    return flowToLandmarks(context_, surface(), meeting_.b, meeting_.cover, map, landmarks, partly);
   }
 
   /// Not over its own targets: what has been moved around landmarks is far from most, and would go
