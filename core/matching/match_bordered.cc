@@ -32,10 +32,11 @@ class BorderedMatching {
     ASSIGN_OR_RETURN(const DoubleCover doubled, doubleCover(b_.connectivity()));
     ASSIGN_OR_RETURN(const CoverSurface cover,
                      straightCover(context_, doubled.connectivity, doubledLengths(doubled, b_)));
-    ASSIGN_OR_RETURN(const TargetLinks start,
-                     linkBordered(context_, surface_, b_.connectivity(), cover, boundary, points));
+    Result<TargetLinks> start =
+        linkBordered(context_, surface_, b_.connectivity(), cover, boundary, points);
+    if (!start.ok()) return unlinked(start.status(), points, boundary);
     ASSIGN_OR_RETURN(HarmonicMatch match, matchHarmonically(context_, surface_, a_.edgeLengths(),
-                                                            cover, start, options));
+                                                            cover, *start, options));
     ASSIGN_OR_RETURN(match,
                      meetOnCover(context_, {a_, b_, cover, marks_.landmarks, marks_.soft_landmarks},
                                  std::move(match)));
@@ -54,6 +55,28 @@ class BorderedMatching {
     const BorderPlaces own(a_), there(b_);
     RETURN_IF_ERROR(checkBorderOrder(own, there, surface_, other, marks_.landmarks));
     return loopsByLandmarks(own, there, surface_, other, all);
+  }
+
+  /// Where landmarks send a loop elsewhere than the points do, that is why.
+  Status unlinked(const Status& status, const std::vector<SurfacePoint>& points,
+                  const BoundaryMap& boundary) const {
+    const Result<BoundaryMap> own = fitBoundary(a_, b_, points);
+    if (status.reason() != Reason::kNoConvergence || !own.ok()) return status;
+    const BorderPlaces places(a_);
+    for (const auto* landmarks : {&marks_.landmarks, &marks_.soft_landmarks}) {
+      for (const MatchLandmark& landmark : *landmarks) {
+        const auto at = borderPointAt(surface_, landmark.a);
+        if (!at) continue;
+        const Index loop = places.loopOf(at->halfedge);
+        if (boundary.loops[loop] == own->loops[loop]) continue;
+        return {Reason::kNoConvergence,
+                landmark.name +
+                    " takes a boundary loop to another one than any correspondence of the shapes "
+                    "that was found",
+                "leave it out, or fill that hole"};
+      }
+    }
+    return status;
   }
 
   Result<BorderedCorrespondence> described(const CoverSurface& cover, const CoverMap& map) const {

@@ -24,7 +24,8 @@ struct BorderedCorrespondence {
 /// (SplitSurface). points: per vertex of a. marks: its landmarks, exact and soft, tell which loops
 /// correspond, and are met at last (meetOnCover). Fails as checkBorderSides, checkBorderOrder (of
 /// the exact ones), checkDistinct, fitBoundary, straightCover, linkBordered, matchHarmonically,
-/// meetOnCover and invertCoverMap do.
+/// meetOnCover and invertCoverMap do; with kNoConvergence, naming a landmark, where it sends a loop
+/// elsewhere than the points do and these do not allow that.
 Result<BorderedCorrespondence> matchBordered(Context& context, const TriangleMesh& a,
                                              const TriangleMesh& b,
                                              const std::vector<SurfacePoint>& points,

@@ -353,6 +353,59 @@ TEST(BorderMatching, LandmarksDecideWhichLoopGoesToWhich) {
   }
 }
 
+TEST(BorderMatching, NamesALandmarkThatTakesALoopWhereTheShapesDoNot) {
+  const Copy copy(samples()[1]);
+  MatchOptions options;
+  const auto all = marks(copy, 0, 1, 0);
+  options.landmarks = {{all[1].a, all[3].b, "marks.txt:7"}};
+  const auto found = tried(copy.a, copy.b, options);
+  EXPECT_THAT(found, FailsWith(Reason::kNoConvergence));
+  EXPECT_THAT(found.status().message(), testing::HasSubstr("marks.txt:7 takes a boundary loop"));
+}
+
+/// A barrel that half turns about the axes carry to itself.
+TriangleMesh barrel(int resolution, int seed) {
+  TriangleSoup soup = ring(resolution, 2, seed);
+  for (Vector3d& p : soup.vertices) {
+    const double h = 2 * p.norm() - 3, angle = std::atan2(p[1], p[0]);
+    const double out = 1 - 0.4 * h * h;
+    p = {out * std::cos(angle), 0.5 * out * std::sin(angle), 0.8 * h};
+  }
+  return meshOf(soup);
+}
+
+TEST(BorderMatching, LandmarksTellWhichEndGoesToWhich) {
+  const TriangleMesh a = barrel(12, 3), b = barrel(13, 4);
+  const auto nearest = [](const TriangleMesh& mesh, const Vector3d& p) {
+    Index best = kNone;
+    for (Index v = 0; v < mesh.vertexCount(); ++v) {
+      if (!mesh.connectivity().isBoundaryVertex(v)) continue;
+      const auto distance = [&](Index w) { return (mesh.positions()[w] - p).norm(); };
+      if (best == kNone || distance(v) < distance(best)) best = v;
+    }
+    return best;
+  };
+  // Beside the planes of symmetry.
+  const Index from = nearest(a, {0.5, 0.2, 0.8});
+  for (const Vector3d& turn :
+       {Vector3d(1, 1, 1), Vector3d(1, -1, -1), Vector3d(-1, 1, -1), Vector3d(-1, -1, 1)}) {
+    MatchOptions options;
+    options.landmarks = {
+        {vertexPoint(a.connectivity(), from),
+         vertexPoint(b.connectivity(), nearest(b, a.positions()[from].cwiseProduct(turn))), "one"}};
+    const SurfaceMatch found = match(a, b, options);
+    expectOneToOne(a, b, found);
+    EXPECT_LT(found.landmark_error.value_or(1), 1e-8);
+    double mean = 0;
+    for (Index v = 0; v < a.vertexCount(); ++v) {
+      mean += (spaceAt(b, found.images[v]) - a.positions()[v].cwiseProduct(turn)).norm() /
+              a.vertexCount();
+    }
+    std::cout << "turn " << turn.transpose() << ": mean error " << mean << "\n";
+    EXPECT_LT(mean, 0.1);
+  }
+}
+
 class BorderLandmarks : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(RealMeshes, BorderLandmarks,
                          testing::Values("multi_boundary/gpeyre__nefertiti-entire.off",
