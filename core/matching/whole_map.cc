@@ -16,7 +16,7 @@ constexpr int kSweeps = 1, kLastSweeps = 4;
 constexpr double kTolerance = 2e-3;
 
 /// Vertices that one thread moves before it asks for more.
-constexpr std::size_t kTogether = 256;
+constexpr std::size_t kTogether = 128;
 
 /// Vertices of a separated set look at their rings alone, and change nothing that another one sees:
 /// the outcome is the same on any number of threads.
