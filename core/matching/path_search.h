@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -20,7 +21,7 @@ class PathSearch {
   void start(const SurfacePoint& point);
 
   /// From here on nothing is far away.
-  void searchAll() { most_ = static_cast<std::size_t>(vertices_); }
+  void searchAll() { most_ = std::numeric_limits<std::size_t>::max(); }
 
   /// From the coordinates of a point's face to those of the start, along the shortest way; nothing
   /// where it is far away. O(log V) for each vertex nearer than the point, once a start.
