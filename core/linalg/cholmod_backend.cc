@@ -11,11 +11,9 @@
 // OpenBLAS, which this file is linked with explicitly.
 extern "C" void openblas_set_num_threads(int num_threads);
 
-#ifdef MODULI_WITH_GOMP
 // GCC's OpenMP, which CHOLMOD is linked with.
 extern "C" int omp_get_max_active_levels();
 extern "C" void omp_set_max_active_levels(int levels);
-#endif
 
 namespace moduli {
 namespace {
@@ -33,21 +31,13 @@ void useOneBlasThread() {
 /// long, one of 130,000 1.4 times. As long as this lives its thread opens none.
 class OneOpenMpThread {
  public:
-#ifdef MODULI_WITH_GOMP
-  OneOpenMpThread() : levels_(omp_get_max_active_levels()) {
-    omp_set_max_active_levels(0);
-  }
-  ~OneOpenMpThread() {
-    omp_set_max_active_levels(levels_);
-  }
-#else
-  OneOpenMpThread() = default;
-#endif
+  OneOpenMpThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+  ~OneOpenMpThread() { omp_set_max_active_levels(levels_); }
   OneOpenMpThread(const OneOpenMpThread&) = delete;
   OneOpenMpThread& operator=(const OneOpenMpThread&) = delete;
 
  private:
-  [[maybe_unused]] int levels_ = 0;
+  int levels_;
 };
 
 /// METIS draws its random numbers from rand(), which all threads of the process share: two
