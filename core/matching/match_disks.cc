@@ -108,14 +108,17 @@ class DiskMatching {
     const bool conformal = guess_.method != MatchMethod::kNearIsometry;
     std::vector<SurfacePoint> images = located(locator, rim, points);
     const bool good = conformal && distanceFromGuess(images) < kGuessError;
-    if (good && options_.landmarks.empty()) return drawn(locator, rim, std::move(points));
+    const bool is_drawn = !options_.soft_landmarks.empty();
+    if (good && options_.landmarks.empty()) {
+      return is_drawn ? drawn(locator, rim, std::move(points)) : described(images, points);
+    }
     HomeomorphismOptions fitting;
     if (conformal) fitting.smoothing = kConformalSmoothing;
     ASSIGN_OR_RETURN(
         Homeomorphism map,
         fit(locator, points, good ? targetsAt(images) : spectralTargets(rim), fitting));
-    if (options_.soft_landmarks.empty()) return described(map.images, map.points);
-    return drawn(locator, rim, std::move(map.points));
+    return is_drawn ? drawn(locator, rim, std::move(map.points))
+                    : described(map.images, map.points);
   }
 
  private:
@@ -222,31 +225,29 @@ class DiskMatching {
         {locator, to_->capped.positions(), to_->pole()}, targets, fitting);
   }
 
+  /// On the boundary to the last bit, if there.
+  HemisphereMark markOf(const MatchLandmark& landmark) const {
+    const auto here = borderPointAt(a_.connectivity(), landmark.a);
+    const auto there = borderPointAt(b_.connectivity(), landmark.b);
+    const SurfacePoint to = to_->split.after(there ? there->point() : landmark.b);
+    return {from_->split.after(here ? here->point() : landmark.a),
+            spherePoint(to_->surface(), to_->points, to)};
+  }
+
   /// Soft landmarks taken to their places as far as no face folds, and what came of that evened
   /// out.
   Result<SphereCorrespondence> drawn(const SphereLocator& locator, const DiskRim& rim,
                                      Points3 points) const {
-    if (!options_.soft_landmarks.empty()) {
-      std::vector<HemisphereMark> marks;
-      for (const auto* landmarks : {&options_.landmarks, &options_.soft_landmarks}) {
-        for (const MatchLandmark& landmark : *landmarks) {
-          // On the boundary to the last bit.
-          const auto here = borderPointAt(a_.connectivity(), landmark.a);
-          const auto there = borderPointAt(b_.connectivity(), landmark.b);
-          const SurfacePoint to = to_->split.after(there ? there->point() : landmark.b);
-          marks.push_back({from_->split.after(here ? here->point() : landmark.a),
-                           spherePoint(to_->surface(), to_->points, to)});
-        }
-      }
-      ASSIGN_OR_RETURN(HemisphereFlow flow,
-                       flowOnHemisphere(context_, from_->surface(), std::move(points), marks));
-      points = std::move(flow.points);
+    std::vector<HemisphereMark> marks;
+    for (const auto* landmarks : {&options_.landmarks, &options_.soft_landmarks}) {
+      for (const MatchLandmark& landmark : *landmarks) marks.push_back(markOf(landmark));
     }
+    ASSIGN_OR_RETURN(HemisphereFlow flow,
+                     flowOnHemisphere(context_, from_->surface(), std::move(points), marks));
+    points = std::move(flow.points);
     const std::vector<SurfacePoint> images = located(locator, rim, points);
     const bool conformal = guess_.method != MatchMethod::kNearIsometry;
-    if (options_.soft_landmarks.empty() || (conformal && options_.landmarks.empty())) {
-      return described(images, points);
-    }
+    if (conformal && options_.landmarks.empty()) return described(images, points);
     HomeomorphismOptions fitting;
     fitting.smoothing = kSoftSmoothing;
     ASSIGN_OR_RETURN(const Homeomorphism map, fit(locator, points, targetsAt(images), fitting));
