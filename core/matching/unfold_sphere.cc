@@ -34,7 +34,7 @@ constexpr double kStill = 0.01;
 /// for each coordinate of three corners, and as much again.
 constexpr double kFirm = 64 * std::numeric_limits<double>::epsilon();
 /// So many rings of vertices around folded faces are taken out, in turn until there is room.
-constexpr std::array<int, 4> kWidenings = {0, 1, 3, 9};
+constexpr std::array<int, 2> kWidenings = {0, 2};
 /// How vertices are put back.
 enum class Manner : std::uint8_t {
   kNearby,  ///< No farther from where they were than there is need.
