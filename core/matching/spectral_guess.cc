@@ -430,6 +430,18 @@ Result<SpectralAnswer> guessSpectrally(Context& context, const MatchPair& pair,
   return Guessing(context, pair, options).run();
 }
 
+Result<bool> changesLess(Context& context, const MatchPair& pair,
+                         const std::vector<SurfacePoint>& points,
+                         const std::vector<SurfacePoint>& others, bool initial_delaunay) {
+  const Context::Stage stage(context, "compare");
+  const Result<CoarseFit> fit = CoarseFit::make(context, pair.coarseA(), pair.b, initial_delaunay);
+  RETURN_IF_ERROR(context.check());
+  if (!fit.ok()) return false;
+  const Result<CoarseMap> map = (*fit)(context, points), other = (*fit)(context, others);
+  RETURN_IF_ERROR(context.check());
+  return map.ok() && (!other.ok() || map->change.product() < other->change.product());
+}
+
 Result<SpectralGuess> guessFromPlaces(Context& context, const MatchPair& pair,
                                       const SpectralGuess& guess) {
   ASSIGN_OR_RETURN(const SpectralPair surfaces, spectralPair(context, pair, MatchMetric::kOwn));

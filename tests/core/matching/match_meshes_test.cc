@@ -89,6 +89,7 @@ class RealMesh : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(WithTurnedLimbs, RealMesh,
                          testing::Values("closed_g0/alec__spot.obj", "closed_g0/alec__homer.obj",
                                          "closed_g0/odedstein__penguin.obj",
+                                         "closed_g0/libigl-data__decimated-knight.off",
                                          "genus1/ceaedf__rocker-arm2500.off",
                                          "genus2/odedstein__skull_low_resolution.obj",
                                          "genus3plus/libigl-data__fertility.off"));
