@@ -11,7 +11,7 @@
 
 BUILD_PACKAGES := g++ cmake ninja-build ccache pkg-config \
   libeigen3-dev libopenmesh-dev libflann-dev liblz4-dev \
-  libsuitesparse-dev libopenblas-pthread-dev libopenblas0-pthread \
+  libsuitesparse-dev libgomp1 libopenblas-pthread-dev libopenblas0-pthread \
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc \
   libsqlite3-dev libzstd-dev libssl-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libtinygltf-dev \
   libcairo2-dev fonts-dejavu-core libexpat1-dev zlib1g-dev \

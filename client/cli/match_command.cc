@@ -237,15 +237,14 @@ std::vector<OptionSpec> matchOptions() {
       {.names = "--mirror", .value = "", .help = "Match A to the mirror image of B"},
       {.names = "--landmarks",
        .value = "FILE",
-       .help = "On closed surfaces and disks, pairs of points that have to meet, A first: lines "
-               "'vertexA vertexB', 'faceA b0 b1 "
+       .help = "Pairs of points that have to meet, A first: lines 'vertexA vertexB', 'faceA b0 b1 "
                "b2 faceB b0 b1 b2' (weights of the corners) or 'curve COUNT: a1 a2 ... : b1 b2 "
-               "...' (paths of vertices, resampled to COUNT pairs)",
+               "...' (paths of vertices, resampled to COUNT pairs). A point on a boundary goes to "
+               "one on a boundary",
        .completion = Completion::kFile},
       {.names = "--soft-landmarks",
        .value = "FILE",
-       .help = "On closed surfaces, pairs likewise that the map is drawn to, more than to anything "
-               "else near them, but "
+       .help = "Pairs likewise that the map is drawn to, more than to anything else near them, but "
                "may miss",
        .completion = Completion::kFile},
       {.names = "--alternative",

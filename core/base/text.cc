@@ -54,6 +54,29 @@ std::string listSome(const std::vector<int>& numbers, std::size_t total, std::si
   return text;
 }
 
+std::string xmlText(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '\r':
+        result += "&#13;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
 bool isPrintableUtf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto lead = static_cast<unsigned char>(text[i]);

@@ -18,6 +18,10 @@ std::optional<long long> parseInteger(std::string_view text);
 /// "3, 5, 8 and 12 more": up to `limit` of the numbers, for messages.
 std::string listSome(const std::vector<int>& numbers, std::size_t total, std::size_t limit = 5);
 
+/// As text between the tags of an XML file; a carriage return, too, which would be read back as a
+/// line feed.
+std::string xmlText(std::string_view text);
+
 /// True for well-formed UTF-8 without control characters.
 bool isPrintableUtf8(std::string_view text);
 

@@ -6,6 +6,7 @@
 #include <complex>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace moduli {
@@ -229,6 +230,18 @@ class OverlayCutter {
 };
 
 }  // namespace
+
+Status checkCuttable(const Connectivity& surface, const std::string& what) {
+  for (Index f = 0; f < surface.faceCount(); ++f) {
+    const auto& [a, b, c] = surface.face(f);
+    if (a != b && b != c && c != a) continue;
+    return {Reason::kFoldedMap,
+            what + " turns faces over, and face " + std::to_string(f) +
+                " has a vertex twice, so that faces cannot be cut",
+            "give a finer triangulation"};
+  }
+  return {};
+}
 
 Result<Subdivision> subdivide(Context& context, const Overlay& overlay,
                               const std::vector<bool>& faces, Index limit,

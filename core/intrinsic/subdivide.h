@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/context.h"
@@ -35,6 +36,10 @@ struct SubdivisionImage {
   /// for all faces.
   std::function<void(Index)> enter = {};
 };
+
+/// Fails with kFoldedMap where a face has a vertex twice, which no cut can help. what: turned faces
+/// over, for the message. O(F).
+Status checkCuttable(const Connectivity& surface, const std::string& what);
 
 /// Cuts given faces whose image is turned over, and as many of their neighbours as it takes, along
 /// the final edges, where the image bends: the pieces of a face that is cut by all of them keep

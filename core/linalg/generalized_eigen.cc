@@ -1,7 +1,6 @@
 #include "core/linalg/generalized_eigen.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "core/base/text.h"
+#include "core/linalg/dense_eigen.h"
 #include "core/linalg/dense_product.h"
 
 namespace moduli {
@@ -99,7 +99,7 @@ class BlockLanczos {
       const bool last = size + kBlock > most;
       if (last || size >= next_look) {
         const Context::Stage stage(context_, "eigen");
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(projected_);
+        ASSIGN_OR_RETURN(const DenseEigenPairs ritz, denseEigenpairs(projected_));
         const double excess = worstResidual(ritz) / options_.tolerance;
         if (excess <= 1) return collect(ritz);
         next_look = size + blocksToGo(excess) * kBlock;
@@ -156,13 +156,13 @@ class BlockLanczos {
   }
 
   /// The residual of a Ritz vector is the coupling times its part in the last block.
-  double worstResidual(const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& ritz) const {
+  double worstResidual(const DenseEigenPairs& ritz) const {
     const Eigen::Index size = projected_.rows();
     double worst = size < options_.count ? std::numeric_limits<double>::infinity() : 0;
     for (Eigen::Index k = 0; k < std::min(size, options_.count); ++k) {
       const Eigen::Index column = size - 1 - k;
-      const double residual = (coupling_ * ritz.eigenvectors().col(column).tail(kBlock)).norm();
-      const double relative = residual / ritz.eigenvalues()[column];
+      const double residual = (coupling_ * ritz.vectors.col(column).tail(kBlock)).norm();
+      const double relative = residual / ritz.values[column];
       // Not a number is worse than all.
       worst = std::isfinite(relative) ? std::max(worst, relative)
                                       : std::numeric_limits<double>::infinity();
@@ -177,12 +177,11 @@ class BlockLanczos {
                                   static_cast<Eigen::Index>(std::log10(excess) / kDigitsPerBlock));
   }
 
-  EigenPairs collect(const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>& ritz) {
+  EigenPairs collect(const DenseEigenPairs& ritz) {
     EigenPairs pairs;
     pairs.dimension = projected_.rows();
-    const Eigen::MatrixXd wanted =
-        ritz.eigenvectors().rightCols(options_.count).rowwise().reverse();
-    const Eigen::VectorXd inverse = ritz.eigenvalues().tail(options_.count).reverse();
+    const Eigen::MatrixXd wanted = ritz.vectors.rightCols(options_.count).rowwise().reverse();
+    const Eigen::VectorXd inverse = ritz.values.tail(options_.count).reverse();
     pairs.values = (inverse.cwiseInverse().array() - options_.shift).matrix();
     pairs.vectors = Eigen::MatrixXd::Zero(operator_.size(), options_.count);
     addProduct(1, basis(), wanted, pairs.vectors);
@@ -204,14 +203,11 @@ Result<EigenPairs> solveDensely(const SparseMatrix& stiffness, const Eigen::Vect
   const Eigen::VectorXd inverse = mass.cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd whole = stiffness.selfadjointView<Eigen::Lower>() *
                                 Eigen::MatrixXd::Identity(stiffness.rows(), stiffness.rows());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(inverse.asDiagonal() * whole *
-                                                              inverse.asDiagonal());
-  if (solver.info() != Eigen::Success) {
-    return Status{Reason::kNoConvergence, "the dense eigen-solver does not converge"};
-  }
+  ASSIGN_OR_RETURN(const DenseEigenPairs all,
+                   denseEigenpairs(inverse.asDiagonal() * whole * inverse.asDiagonal()));
   EigenPairs pairs;
-  pairs.values = solver.eigenvalues().head(options.count);
-  pairs.vectors = solver.eigenvectors().leftCols(options.count);
+  pairs.values = all.values.head(options.count);
+  pairs.vectors = all.vectors.leftCols(options.count);
   pairs.dimension = stiffness.rows();
   return pairs;
 }

@@ -4,6 +4,17 @@ namespace moduli {
 
 using Eigen::Vector2d;
 
+BorderStep nextOnBorder(const Connectivity& b, const CoverSurface& cover, Index halfedge) {
+  const CoverPlane plane = cover.plane();
+  // Around the head.
+  BorderStep step{Connectivity::next(halfedge), Motion::Identity()};
+  while (b.twin(step.halfedge) != kNone) {
+    step.motion = plane.normalized(Motion(step.motion * cover.across[step.halfedge]));
+    step.halfedge = Connectivity::next(b.twin(step.halfedge));
+  }
+  return step;
+}
+
 std::vector<Motion> boundaryTransitions(const Connectivity& surface, const Connectivity& b,
                                         const CoverSurface& cover, const BoundaryMap& boundary) {
   const CoverPlane plane = cover.plane();
@@ -12,12 +23,9 @@ std::vector<Motion> boundaryTransitions(const Connectivity& surface, const Conne
     if (surface.twin(h) != kNone) continue;
     Index at = boundary.edges[surface.tail(h)];
     for (Index n = 0; n < boundary.steps[h]; ++n) {
-      // Around the head to the next edge of the boundary.
-      at = Connectivity::next(at);
-      while (b.twin(at) != kNone) {
-        transitions[h] = plane.normalized(Motion(transitions[h] * cover.across[at]));
-        at = Connectivity::next(b.twin(at));
-      }
+      const BorderStep step = nextOnBorder(b, cover, at);
+      transitions[h] = plane.normalized(Motion(transitions[h] * step.motion));
+      at = step.halfedge;
     }
   }
   return transitions;
@@ -35,6 +43,23 @@ std::vector<Vector2d> boundaryDirections(const CoverSurface& cover, const Bounda
     const Vector2d on = plane.wayTo(there * cover.corners[Connectivity::next(h)]);
     // The end that is farther away tells better.
     directions[v] = (on.norm() > back.norm() ? on : Vector2d(-back)).normalized();
+  }
+  return directions;
+}
+
+std::vector<Vector2d> boundaryDirections(const Connectivity& surface, const CoverPlane& plane,
+                                         const VertexLinks& links) {
+  std::vector<Vector2d> directions(surface.vertexCount(), Vector2d::Zero());
+  std::vector<double> lengths(surface.vertexCount(), 0.0);
+  const auto offer = [&](Index v, const Vector2d& way) {
+    if (!(way.norm() > lengths[v])) return;
+    lengths[v] = way.norm();
+    directions[v] = way / way.norm();
+  };
+  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+    if (surface.twin(h) != kNone) continue;
+    offer(surface.tail(h), plane.wayTo(links[h].col(2)));
+    offer(surface.head(h), -plane.wayTo(plane.inverse(links[h]).col(2)));
   }
   return directions;
 }

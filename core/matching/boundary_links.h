@@ -10,6 +10,15 @@
 /// whose first copy is numbered as B; there the boundary is made of geodesics.
 namespace moduli {
 
+/// The boundary edge of B after another one.
+struct BorderStep {
+  Index halfedge = kNone;
+  Motion motion;  ///< From the coordinates of its face to those of the other one's.
+};
+
+/// O(degree of the vertex between).
+BorderStep nextOnBorder(const Connectivity& b, const CoverSurface& cover, Index halfedge);
+
 /// Per halfedge of A, of use on the boundary: the transition from the coordinates of the face of
 /// its head's image to those of its tail's, along the boundary of B. O(steps).
 std::vector<Motion> boundaryTransitions(const Connectivity& surface, const Connectivity& b,
@@ -19,6 +28,11 @@ std::vector<Motion> boundaryTransitions(const Connectivity& surface, const Conne
 /// it; 0 inside. map: has the boundary where `boundary` does. O(V).
 std::vector<Eigen::Vector2d> boundaryDirections(const CoverSurface& cover,
                                                 const BoundaryMap& boundary, const CoverMap& map);
+
+/// The same of a map without folded faces, by its links alone: where the neighbour along the
+/// boundary is that is farther away. O(F).
+std::vector<Eigen::Vector2d> boundaryDirections(const Connectivity& surface,
+                                                const CoverPlane& plane, const VertexLinks& links);
 
 /// The point of the first copy that is the same or its mirror image. faces: of one copy. O(1).
 SurfacePoint foldedBack(const SurfacePoint& point, Index faces);

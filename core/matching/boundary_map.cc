@@ -66,7 +66,8 @@ class BoundaryFit {
         loops_a_(loopsOf(a)),
         loops_b_(loopsOf(b)) {}
 
-  Result<BoundaryMap> run() {
+  /// known: as fitBoundary has it.
+  Result<BoundaryMap> run(const std::vector<Index>& known) {
     if (loops_a_.size() != loops_b_.size() || loops_a_.empty()) {
       return Status(Reason::kUnsupportedTopology, "the surfaces differ in their boundary loops");
     }
@@ -75,6 +76,7 @@ class BoundaryFit {
       for (const Index h : loop.halfedges) vertices.push_back(b_.connectivity().tail(h));
       distances_.push_back(graph_.distances(vertices));
     }
+    map_.loops = known;
     assignLoops();
     map_.edges.assign(a_.vertexCount(), kNone);
     map_.points.resize(a_.vertexCount());
@@ -93,7 +95,7 @@ class BoundaryFit {
     return b_.connectivity().face(point.face)[static_cast<std::size_t>(c)];
   }
 
-  /// The nearest pairs first.
+  /// Of those that are not known the nearest pairs first.
   void assignLoops() {
     const std::size_t n = loops_a_.size();
     struct Pair {
@@ -112,8 +114,11 @@ class BoundaryFit {
     }
     std::stable_sort(pairs.begin(), pairs.end(),
                      [](const Pair& x, const Pair& y) { return x.distance < y.distance; });
-    map_.loops.assign(n, kNone);
+    map_.loops.resize(n, kNone);
     std::vector<bool> taken(n, false);
+    for (const Index j : map_.loops) {
+      if (j != kNone) taken[j] = true;
+    }
     for (const Pair& pair : pairs) {
       if (map_.loops[pair.i] != kNone || taken[pair.j]) continue;
       map_.loops[pair.i] = static_cast<Index>(pair.j);
@@ -183,8 +188,9 @@ class BoundaryFit {
 }  // namespace
 
 Result<BoundaryMap> fitBoundary(const TriangleMesh& a, const TriangleMesh& b,
-                                const std::vector<SurfacePoint>& points) {
-  return BoundaryFit(a, b, points).run();
+                                const std::vector<SurfacePoint>& points,
+                                const std::vector<Index>& loops) {
+  return BoundaryFit(a, b, points).run(loops);
 }
 
 }  // namespace moduli

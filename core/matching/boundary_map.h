@@ -21,9 +21,11 @@ struct BoundaryMap {
 /// goes to the loop of B that is nearest to its targets, and each of its vertices to the point
 /// there that is nearest to its own, as far as these keep their order (orderedAroundCircle).
 ///
-/// points: per vertex of A its target on B. Fails with kUnsupportedTopology (numbers of loops
-/// differ or are 0). O(loops E log V).
+/// points: per vertex of A its target on B. loops: where known, per loop of A the one of B that it
+/// goes to; kNone elsewhere, and empty where nothing is known. Fails with kUnsupportedTopology
+/// (numbers of loops differ or are 0). O(loops E log V).
 Result<BoundaryMap> fitBoundary(const TriangleMesh& a, const TriangleMesh& b,
-                                const std::vector<SurfacePoint>& points);
+                                const std::vector<SurfacePoint>& points,
+                                const std::vector<Index>& loops = {});
 
 }  // namespace moduli

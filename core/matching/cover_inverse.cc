@@ -4,11 +4,16 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/parallel.h"
+
 namespace moduli {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+
+/// Vertices that one thread finds before it asks for more.
+constexpr std::size_t kTogether = 512;
 
 double angleOf(const Vector2d& way) {
   return std::atan2(way[1], way[0]);
@@ -23,6 +28,106 @@ Motion intoFace(const CoverSurface& image, const VertexLinks& links, Index h) {
   const double there = angleOf(head.head<2>()), here = angleOf(links[h].col(2).head<2>());
   return corner * CoverPlane::turn(there - here);
 }
+
+/// Finds the first vertices of B in the triangulation that A is of B.
+class Inversion {
+ public:
+  Inversion(Context& context, const Connectivity& surface, const CoverSurface& cover,
+            const CoverMap& map, Index vertices)
+      : context_(context),
+        surface_(surface),
+        cover_(cover),
+        map_(map),
+        plane_(cover.geometry),
+        links_(linksOf(surface, cover, map)),
+        image_(coverOfLinks(cover.geometry, surface, links_,
+                            std::vector<double>(surface.edgeCount(), 1.0))),
+        frames_(vertexFrames(cover)),
+        result_(vertices),
+        seen_(vertices),
+        near_(vertices, kNone) {}
+
+  Result<std::vector<SurfacePoint>> run() {
+    findNear();
+    parallelBlocks(near_.size(), kTogether, [this](std::size_t u, std::size_t end) {
+      if (!context_.check().ok()) return;
+      for (; u < end; ++u) {
+        if (near_[u] != kNone) putFromNear(static_cast<Index>(u));
+      }
+    });
+    RETURN_IF_ERROR(putOthers());
+    return std::move(result_);
+  }
+
+ private:
+  /// Per vertex of B one of A whose image is in a face around it.
+  void findNear() {
+    for (Index v = 0; v < surface_.vertexCount(); ++v) {
+      const Triangle& corners = cover_.surface.face(map_.images[v].face);
+      // Rounding may have put vertices of a boundary beyond it, where corners do not count.
+      const auto counts = [&](Index u) { return u < static_cast<Index>(near_.size()); };
+      if (!std::all_of(corners.begin(), corners.end(), counts)) continue;
+      for (const Index u : corners) near_[u] = v;
+    }
+  }
+
+  void put(Index u, Index face, const Vector3d& from, const Motion& frame) {
+    const CoverArrival end =
+        walkStraight(image_, face, from, plane_.normalized(Vector3d(frame.col(2))));
+    seen_[u] = plane_.normalized(Motion(plane_.inverse(end.motion) * frame));
+    result_[u] = image_.pointAt(end.face, end.place);
+  }
+
+  /// From a vertex of A to a corner of the face that it is mapped to.
+  void putFromNear(Index u) {
+    const Index v = near_[u], h = surface_.outgoing(v);
+    Index corner = 3 * map_.images[v].face;
+    while (cover_.surface.tail(corner) != u) ++corner;
+    const Motion at_vertex = plane_.inverse(plane_.shift(plane_.wayTo(map_.places[v])));
+    put(u, Connectivity::faceOf(h), image_.corners[h],
+        intoFace(image_, links_, h) * at_vertex * frames_[corner]);
+  }
+
+  /// From neighbours, where no vertex of A is near.
+  Status putOthers() {
+    std::vector<Index> queue;
+    for (std::size_t u = 0; u < near_.size(); ++u) {
+      if (near_[u] != kNone) queue.push_back(static_cast<Index>(u));
+    }
+    if (queue.empty()) {
+      return {Reason::kFoldedMap, "the map leaves the surface across its boundary"};
+    }
+    for (std::size_t n = 0; n < queue.size() && queue.size() < near_.size(); ++n) {
+      if (n % 4096 == 0) RETURN_IF_ERROR(context_.check());
+      const Index v = queue[n], first = cover_.surface.outgoing(v);
+      Index out = first;
+      do {
+        const Index u = cover_.surface.head(out);
+        if (u < static_cast<Index>(near_.size()) && near_[u] == kNone) {
+          const Motion link = plane_.inverse(frames_[out]) * frames_[Connectivity::next(out)];
+          put(u, result_[v].face, plane_.normalized(Vector3d(seen_[v].col(2))), seen_[v] * link);
+          near_[u] = near_[v];
+          queue.push_back(u);
+        }
+        out = cover_.surface.rotate(out);
+      } while (out != first);
+    }
+    return context_.check();
+  }
+
+  Context& context_;
+  const Connectivity& surface_;
+  const CoverSurface& cover_;
+  const CoverMap& map_;
+  CoverPlane plane_;
+  VertexLinks links_;
+  CoverSurface image_;
+  std::vector<Motion> frames_;
+  std::vector<SurfacePoint> result_;
+  /// Per vertex of B, from its frame to the coordinates of the face of A that it lies in.
+  std::vector<Motion> seen_;
+  std::vector<Index> near_;
+};
 
 }  // namespace
 
@@ -42,53 +147,7 @@ Result<std::vector<SurfacePoint>> invertCoverMap(Context& context, const Connect
                                                  const CoverSurface& cover, const CoverMap& map,
                                                  Index vertices) {
   if (vertices == kNone) vertices = cover.surface.vertexCount();
-  const CoverPlane plane = cover.plane();
-  const VertexLinks links = linksOf(surface, cover, map);
-  const CoverSurface image =
-      coverOfLinks(cover.geometry, surface, links, std::vector<double>(surface.edgeCount(), 1.0));
-  const std::vector<Motion> frames = vertexFrames(cover);
-  const VertexLinks own = ownLinks(cover, frames);
-  std::vector<SurfacePoint> result(vertices);
-  // Per vertex of B, from its frame to the coordinates of the face of A that it lies in.
-  std::vector<Motion> seen(vertices);
-  std::vector<bool> done(vertices, false);
-  std::vector<Index> queue;
-  const auto put = [&](Index v, Index face, const Vector3d& from, const Motion& frame) {
-    const CoverArrival end =
-        walkStraight(image, face, from, plane.normalized(Vector3d(frame.col(2))));
-    seen[v] = plane.normalized(Motion(plane.inverse(end.motion) * frame));
-    result[v] = image.pointAt(end.face, end.place);
-    done[v] = true;
-    queue.push_back(v);
-  };
-  // From a vertex of A to a corner of the face that it is mapped to. Rounding may have put vertices
-  // of a boundary beyond it, where corners do not count.
-  const auto counts = [&](Index face) {
-    const Triangle& corners = cover.surface.face(face);
-    return std::all_of(corners.begin(), corners.end(), [&](Index v) { return v < vertices; });
-  };
-  Index start = 0;
-  while (start + 1 < surface.vertexCount() && !counts(map.images[start].face)) ++start;
-  if (!counts(map.images[start].face)) {
-    return Status(Reason::kFoldedMap, "the map leaves the surface across its boundary");
-  }
-  const Index h = surface.outgoing(start), corner = 3 * map.images[start].face;
-  const Motion at_vertex = plane.inverse(plane.shift(plane.wayTo(map.places[start])));
-  put(cover.surface.tail(corner), Connectivity::faceOf(h), image.corners[h],
-      intoFace(image, links, h) * at_vertex * frames[corner]);
-  for (std::size_t n = 0; n < queue.size(); ++n) {
-    if (n % 4096 == 0) RETURN_IF_ERROR(context.check());
-    const Index v = queue[n], first = cover.surface.outgoing(v);
-    Index out = first;
-    do {
-      const Index u = cover.surface.head(out);
-      if (u < vertices && !done[u]) {
-        put(u, result[v].face, plane.normalized(Vector3d(seen[v].col(2))), seen[v] * own[out]);
-      }
-      out = cover.surface.rotate(out);
-    } while (out != first);
-  }
-  return result;
+  return Inversion(context, surface, cover, map, vertices).run();
 }
 
 }  // namespace moduli

@@ -14,8 +14,8 @@ SurfacePoint imageOf(const Connectivity& surface, const CoverSurface& cover, con
                      const SurfacePoint& point);
 
 /// Per vertex of B, the first so many if that is told, the point of A that goes there: its place in
-/// the triangulation that A's faces are of B, found from that of a neighbour. map: without folded
-/// faces. Fails with kCancelled, kDeadlineExceeded and kFoldedMap (every image is beyond the
+/// the triangulation that A's faces are of B, found from a vertex of A that goes near. map: without
+/// folded faces. Fails with kCancelled, kDeadlineExceeded and kFoldedMap (every image is beyond the
 /// boundary). O(V_B steps).
 Result<std::vector<SurfacePoint>> invertCoverMap(Context& context, const Connectivity& surface,
                                                  const CoverSurface& cover, const CoverMap& map,

@@ -1,11 +1,15 @@
 #include "core/matching/cover_map.h"
 
+#include "core/base/parallel.h"
 #include "core/spherical/exact_sign.h"
 
 namespace moduli {
 namespace {
 
 using Eigen::Vector3d;
+
+/// Edges that one thread takes before it asks for more.
+constexpr std::size_t kTogether = 2048;
 
 std::vector<Motion> framesOf(const CoverSurface& cover, const CoverMap& map) {
   const CoverPlane plane = cover.plane();
@@ -28,12 +32,15 @@ VertexLinks linksOf(const Connectivity& surface, const CoverSurface& cover, cons
   const CoverPlane plane = cover.plane();
   const std::vector<Motion> frames = framesOf(cover, map);
   VertexLinks links(surface.halfedgeCount());
-  for (Index e = 0; e < surface.edgeCount(); ++e) {
+  const auto link = [&](Index e) {
     const Index h = surface.halfedge(e);
     links[h] = plane.normalized(Motion(plane.inverse(frames[surface.tail(h)]) * map.transitions[h] *
                                        frames[surface.head(h)]));
     if (surface.twin(h) != kNone) links[surface.twin(h)] = plane.inverse(links[h]);
-  }
+  };
+  parallelBlocks(surface.edgeCount(), kTogether, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e) link(static_cast<Index>(e));
+  });
   return links;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/hyperbolic/straight_faces.h"
 #include "core/intrinsic/mollify.h"
 #include "core/ricci/uniformize.h"
@@ -22,6 +23,18 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
+
+/// Elements that one thread takes before it asks for more.
+constexpr std::size_t kTogether = 2048;
+
+/// Calls act for all elements, on all processors. It writes to its own one alone.
+template <typename Action>
+void forEach(Index count, const Action& act) {
+  parallelBlocks(static_cast<std::size_t>(count), kTogether,
+                 [&](std::size_t begin, std::size_t end) {
+                   for (std::size_t i = begin; i < end; ++i) act(static_cast<Index>(i));
+                 });
+}
 
 /// From 0 and the x axis to the tail of corner c's halfedge and its direction.
 Motion cornerFrame(const CoverPlane& plane, const std::vector<double>& lengths,
@@ -85,17 +98,17 @@ CoverSurface glued(Geometry geometry, const Connectivity& surface,
   std::vector<Motion> frames(surface.halfedgeCount());
   cover.corners.resize(surface.halfedgeCount());
   cover.across.resize(surface.halfedgeCount());
-  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+  forEach(surface.halfedgeCount(), [&](Index h) {
     frames[h] = cornerFrame(plane, lengths, angles, h);
     cover.corners[h] = plane.normalized(Vector3d(frames[h].col(2)));
-  }
-  for (Index e = 0; e < surface.edgeCount(); ++e) {
+  });
+  forEach(surface.edgeCount(), [&](Index e) {
     const Index h = surface.halfedge(e), t = surface.twin(h);
-    if (t == kNone) continue;
+    if (t == kNone) return;
     cover.across[h] = plane.normalized(Motion(frames[h] * plane.shift({lengths[h], 0}) *
                                               CoverPlane::turn(kPi) * plane.inverse(frames[t])));
     cover.across[t] = plane.inverse(cover.across[h]);
-  }
+  });
   return cover;
 }
 
@@ -146,12 +159,12 @@ CoverSurface coverOfLinks(Geometry geometry, const Connectivity& surface, const 
                           const std::vector<double>& given) {
   const CoverPlane plane(geometry);
   std::vector<double> lengths(surface.halfedgeCount()), angles(surface.halfedgeCount());
-  for (Index h = 0; h < surface.halfedgeCount(); ++h) {
+  forEach(surface.halfedgeCount(), [&](Index h) {
     const Vector3d to = links[h].col(2);
     const Vector3d back = plane.inverse(links[Connectivity::previous(h)]).col(2);
     lengths[h] = plane.wayTo(links[surface.halfedge(surface.edge(h))].col(2)).norm();
     angles[h] = std::atan2(to[0] * back[1] - to[1] * back[0], to.head<2>().dot(back.head<2>()));
-  }
+  });
   CoverSurface cover = glued(geometry, surface, lengths, angles, given);
   if (geometry == Geometry::kEuclidean) alignFaces(cover, 1);
   cover.area = totalArea(cover);
@@ -194,7 +207,7 @@ std::vector<Motion> vertexFrames(const CoverSurface& cover) {
   const Connectivity& surface = cover.surface;
   const CoverPlane plane = cover.plane();
   std::vector<Motion> frames(surface.halfedgeCount());
-  for (Index v = 0; v < surface.vertexCount(); ++v) {
+  forEach(surface.vertexCount(), [&](Index v) {
     const Index first = surface.outgoing(v);
     frames[first] = plane.shift(plane.wayTo(cover.corners[first]));
     for (Index h = first, next = surface.rotate(h); next != first;
@@ -202,18 +215,18 @@ std::vector<Motion> vertexFrames(const CoverSurface& cover) {
       // Entering the face of `next` across the side before h.
       frames[next] = plane.normalized(Motion(cover.across[next] * frames[h]));
     }
-  }
+  });
   return frames;
 }
 
 VertexLinks ownLinks(const CoverSurface& cover, const std::vector<Motion>& frames) {
   const CoverPlane plane = cover.plane();
   VertexLinks links(cover.surface.halfedgeCount());
-  for (Index e = 0; e < cover.surface.edgeCount(); ++e) {
+  forEach(cover.surface.edgeCount(), [&](Index e) {
     const Index h = cover.surface.halfedge(e);
     links[h] = plane.normalized(Motion(plane.inverse(frames[h]) * frames[Connectivity::next(h)]));
     links[cover.surface.twin(h)] = plane.inverse(links[h]);
-  }
+  });
   return links;
 }
 

@@ -171,21 +171,8 @@ class HarmonicSearch {
     entries.reserve(12 * static_cast<std::size_t>(surface_.edgeCount()));
     for (Index e = 0; e < surface_.edgeCount(); ++e) addEdge(e, entries);
     for (Index v = 0; v < n; ++v) addPull(v, entries);
-    // Shifts of a flat map cost nothing.
-    if (plane_.isFlat() && options_.pulls.empty())
-      addBlock(entries, anchor_, anchor_, Matrix2d::Identity());
-    // What bound vertices cannot do.
-    for (Index v = 0; v < n; ++v) {
-      if (isBound(v)) entries.emplace_back(2 * v + 1, 2 * v + 1, 1.0);
-    }
-    SparseMatrix hessian(2 * n, 2 * n);
-    hessian.setFromTriplets(entries.begin(), entries.end());
-    if (!solver_) {
-      ASSIGN_OR_RETURN(SpdSolver made, SpdSolver::make(context_, hessian));
-      solver_.emplace(std::move(made));
-    } else {
-      RETURN_IF_ERROR(solver_->refactorize(context_, hessian));
-    }
+    // A flat energy is quadratic.
+    if (!solver_ || !plane_.isFlat()) RETURN_IF_ERROR(factorize(std::move(entries)));
     for (Index v = 0; v < n; ++v) {
       gradient_.segment<2>(2 * v) = (ways_[v].transpose() * gradient_.segment<2>(2 * v)).eval();
     }
@@ -196,6 +183,23 @@ class HarmonicSearch {
       step.segment<2>(2 * v) = ways_[v] * solved.col(0).segment<2>(2 * v);
     }
     return step;
+  }
+
+  Status factorize(std::vector<Eigen::Triplet<double>> entries) {
+    const Index n = surface_.vertexCount();
+    // Shifts of a flat map cost nothing.
+    if (plane_.isFlat() && options_.pulls.empty())
+      addBlock(entries, anchor_, anchor_, Matrix2d::Identity());
+    // What bound vertices cannot do.
+    for (Index v = 0; v < n; ++v) {
+      if (isBound(v)) entries.emplace_back(2 * v + 1, 2 * v + 1, 1.0);
+    }
+    SparseMatrix hessian(2 * n, 2 * n);
+    hessian.setFromTriplets(entries.begin(), entries.end());
+    if (solver_) return solver_->refactorize(context_, hessian);
+    ASSIGN_OR_RETURN(SpdSolver made, SpdSolver::make(context_, hessian));
+    solver_.emplace(std::move(made));
+    return {};
   }
 
   double relativeSize(const Eigen::VectorXd& step) const {

@@ -4,7 +4,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
+
+#include "core/base/parallel.h"
 
 namespace moduli {
 namespace {
@@ -18,6 +21,8 @@ using HatGradients = Eigen::Matrix<double, 2, 3>;
 constexpr double kStay = 0.05;
 /// Images of faces that are smaller than this part are left to their neighbours.
 constexpr double kFlat = 1e-6;
+/// Faces that one thread takes before it asks for more.
+constexpr std::size_t kTogether = 512;
 
 Tangents tangentsOf(const Vector3d& normal) {
   Tangents tangents = Tangents::Zero();
@@ -88,6 +93,26 @@ std::optional<Residual> residualOf(const HatGradients& hats, const SpaceTriangle
   return residual;
 }
 
+/// Of the six unknowns of a face, two for each corner.
+Index unknownOf(const Triangle& face, int p) {
+  return 2 * face[p / 2] + p % 2;
+}
+
+/// Of the lower triangle of the whole.
+std::pair<Index, Index> entryOf(const Triangle& face, int p, int q) {
+  const Index i = unknownOf(face, p), j = unknownOf(face, q);
+  return {std::max(i, j), std::min(i, j)};
+}
+
+/// Calls visit(p, q, n) for the 21 pairs p >= q of six unknowns.
+template <typename Visit>
+void forLower(const Visit& visit) {
+  int n = 0;
+  for (int p = 0; p < 6; ++p) {
+    for (int q = 0; q <= p; ++q) visit(p, q, n++);
+  }
+}
+
 }  // namespace
 
 IsometricStep::IsometricStep(const Connectivity& surface, const std::vector<Vector3d>& positions,
@@ -99,14 +124,45 @@ IsometricStep::IsometricStep(const Connectivity& surface, const std::vector<Vect
     gradients_.push_back(hatGradients(triangle));
     for (const Index v : face) masses_[v] += distortions_.back().area() / 3;
   }
+  makePattern();
+}
+
+void IsometricStep::makePattern() {
+  const auto unknowns = 2 * static_cast<Eigen::Index>(masses_.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(21 * static_cast<std::size_t>(surface_.faceCount()) + 2 * masses_.size());
+  for (const Triangle& face : surface_.faces()) {
+    forLower([&](int p, int q, int) {
+      const auto [row, column] = entryOf(face, p, q);
+      entries.emplace_back(row, column, 0.0);
+    });
+  }
+  for (Eigen::Index i = 0; i < unknowns; ++i) entries.emplace_back(i, i, 0.0);
+  pattern_.resize(unknowns, unknowns);
+  pattern_.setFromTriplets(entries.begin(), entries.end());
+  places_.resize(surface_.faceCount());
+  const int* const rows = pattern_.innerIndexPtr();
+  for (Index f = 0; f < surface_.faceCount(); ++f) {
+    forLower([&](int p, int q, int n) {
+      const auto [row, column] = entryOf(surface_.face(f), p, q);
+      const int *const begin = rows + pattern_.outerIndexPtr()[column],
+                       *const end = rows + pattern_.outerIndexPtr()[column + 1];
+      places_[f][n] = static_cast<int>(std::lower_bound(begin, end, row) - rows);
+    });
+  }
 }
 
 double IsometricStep::excess(const std::vector<Vector3d>& images) const {
-  double sum = 0;
-  for (Index f = 0; f < surface_.faceCount(); ++f) {
-    const auto& [i, j, k] = surface_.face(f);
-    sum += distortions_[f].energy({images[i], images[j], images[k]}) - 4 * distortions_[f].area();
-  }
+  const auto count = static_cast<std::size_t>(surface_.faceCount());
+  std::vector<double> sums((count + kTogether - 1) / kTogether, 0.0);
+  parallelBlocks(count, kTogether, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto& [i, j, k] = surface_.face(static_cast<Index>(f));
+      sums[begin / kTogether] +=
+          distortions_[f].energy({images[i], images[j], images[k]}) - 4 * distortions_[f].area();
+    }
+  });
+  double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
   for (std::size_t v = 0; v < attractions_.size(); ++v) {
     const double r2 = (images[v] - attractions_[v].place).squaredNorm(), s2 = scale_ * scale_;
     sum += pull_ * attractions_[v].weight * masses_[v] * r2 * (s2 / (r2 + s2));
@@ -119,38 +175,42 @@ struct IsometricStep::System {
   Eigen::VectorXd right;
 };
 
-void IsometricStep::addFace(Index f, const std::vector<Vector3d>& images,
-                            const std::vector<Tangents>& tangents, Entries& entries,
-                            Eigen::VectorXd& right) const {
+/// All of 0 for a face whose image is flat: the pattern stays.
+IsometricStep::FaceTerms IsometricStep::termsOf(Index f, const std::vector<Vector3d>& images,
+                                                const std::vector<Tangents>& tangents) const {
   const Triangle& face = surface_.face(f);
   const std::optional<Residual> residual =
       residualOf(gradients_[f], {images[face[0]], images[face[1]], images[face[2]]},
                  {&tangents[face[0]], &tangents[face[1]], &tangents[face[2]]});
-  Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
-  if (residual) {
-    const double weight = 2 * distortions_[f].area();
-    hessian = weight * residual->derivative.transpose() * residual->derivative;
-    const Eigen::Matrix<double, 6, 1> gradient =
-        weight * residual->derivative.transpose() * residual->value;
-    for (int p = 0; p < 6; ++p) right[2 * face[p / 2] + p % 2] -= gradient[p];
-  }
-  // All entries, also those that are 0: the pattern stays.
-  for (int p = 0; p < 6; ++p) {
-    for (int q = 0; q < 6; ++q) {
-      const Index row = 2 * face[p / 2] + p % 2, column = 2 * face[q / 2] + q % 2;
-      if (row >= column) entries.emplace_back(row, column, hessian(p, q));
-    }
-  }
+  FaceTerms terms{};
+  if (!residual) return terms;
+  const double weight = 2 * distortions_[f].area();
+  const Eigen::Matrix<double, 6, 6> hessian =
+      weight * residual->derivative.transpose() * residual->derivative;
+  const Eigen::Matrix<double, 6, 1> gradient =
+      weight * residual->derivative.transpose() * residual->value;
+  forLower([&](int p, int q, int n) { terms.hessian[n] = hessian(p, q); });
+  for (int p = 0; p < 6; ++p) terms.right[p] = -gradient[p];
+  return terms;
 }
 
 IsometricStep::System IsometricStep::systemAt(const std::vector<Vector3d>& images,
                                               const std::vector<Tangents>& tangents) const {
   const auto count = static_cast<Eigen::Index>(images.size());
-  System system{SparseMatrix(2 * count, 2 * count), Eigen::VectorXd::Zero(2 * count)};
-  Entries entries;
-  entries.reserve(21 * static_cast<std::size_t>(surface_.faceCount()) + 2 * images.size());
+  std::vector<FaceTerms> terms(surface_.faceCount());
+  parallelBlocks(terms.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      terms[f] = termsOf(static_cast<Index>(f), images, tangents);
+    }
+  });
+  System system{pattern_, Eigen::VectorXd::Zero(2 * count)};
+  double* const values = system.matrix.valuePtr();
   for (Index f = 0; f < surface_.faceCount(); ++f) {
-    addFace(f, images, tangents, entries, system.right);
+    const Triangle& face = surface_.face(f);
+    for (std::size_t n = 0; n < terms[f].hessian.size(); ++n) {
+      values[places_[f][n]] += terms[f].hessian[n];
+    }
+    for (int p = 0; p < 6; ++p) system.right[unknownOf(face, p)] += terms[f].right[p];
   }
   for (Eigen::Index v = 0; v < count; ++v) {
     const Vector3d away = images[v] - attractions_[v].place;
@@ -158,10 +218,10 @@ IsometricStep::System IsometricStep::systemAt(const std::vector<Vector3d>& image
     const double pull = 2 * pull_ * attractions_[v].weight * masses_[v] * share * share;
     system.right.segment<2>(2 * v) -= pull * tangents[v].transpose() * away;
     for (Eigen::Index i = 2 * v; i < 2 * v + 2; ++i) {
-      entries.emplace_back(i, i, kStay * masses_[v] + pull);
+      // The diagonal is the first entry of its column.
+      values[pattern_.outerIndexPtr()[i]] += kStay * masses_[v] + pull;
     }
   }
-  system.matrix.setFromTriplets(entries.begin(), entries.end());
   return system;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -44,11 +45,15 @@ class IsometricStep {
                                                   const std::vector<Eigen::Vector3d>& normals);
 
  private:
+  /// What a face adds to a step's system: the lower triangle, row by row, and the right side.
+  struct FaceTerms {
+    std::array<double, 21> hessian;
+    std::array<double, 6> right;
+  };
   struct System;
-  using Entries = std::vector<Eigen::Triplet<double>>;
-  void addFace(Index f, const std::vector<Eigen::Vector3d>& images,
-               const std::vector<Tangents>& tangents, Entries& entries,
-               Eigen::VectorXd& right) const;
+  void makePattern();
+  FaceTerms termsOf(Index f, const std::vector<Eigen::Vector3d>& images,
+                    const std::vector<Tangents>& tangents) const;
   System systemAt(const std::vector<Eigen::Vector3d>& images,
                   const std::vector<Tangents>& tangents) const;
 
@@ -58,6 +63,8 @@ class IsometricStep {
   std::vector<Eigen::Matrix<double, 2, 3>> gradients_;  ///< Per face, of its corners' hats.
   std::vector<double> masses_;                          ///< Per vertex: a third of its faces.
   double pull_ = 0, scale_ = 1;
+  SparseMatrix pattern_;                     ///< Of every step's matrix.
+  std::vector<std::array<int, 21>> places_;  ///< Per face, where its terms are added.
   std::optional<SpdSolver> solver_;
 };
 

@@ -5,13 +5,18 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <queue>
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/parallel.h"
+#include "core/matching/border_places.h"
+#include "core/matching/boundary_links.h"
 #include "core/matching/equivariant_map.h"
-#include "core/matching/path_search.h"
+#include "core/matching/flow_kernel.h"
+#include "core/mesh/double_cover.h"
 
 namespace moduli {
 namespace {
@@ -20,22 +25,7 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Of a kernel, in ways that its landmark has before it.
-constexpr double kReach = 6;
-/// And at least, in edges.
-constexpr double kEdges = 3;
-/// Of a kernel's reach: how far a landmark goes in one step.
-constexpr double kStep = 0.1;
-constexpr double kMet = 1e-7;
 constexpr double kSameMotion = 1e-6;
-constexpr int kMostSteps = 200, kMostHalvings = 12;
-
-/// Smooth, 1 at 0 and 0 from 1 on.
-double kernel(double x) {
-  if (!(x < 1)) return 0;
-  const double rest = (1 - x) * (1 - x);
-  return rest * rest * (4 * x + 1);
-}
 
 /// What a landmark sees around it.
 struct View {
@@ -44,32 +34,48 @@ struct View {
   std::unordered_map<Index, Motion> motions;
 };
 
+/// A closed surface that moves, and the points of it that are to go somewhere.
+struct FlowProblem {
+  Connectivity surface;
+  VertexLinks links;
+  std::vector<Index> mirror = {};     ///< Per vertex of a double its image; else empty.
+  std::vector<SurfacePoint> points;   ///< Of the first copy.
+  std::vector<Vector3d> goals;        ///< In the frames of the first corners of the points' faces.
+  std::vector<Index> halfedges = {};  ///< Per point of a boundary one along it; kNone elsewhere.
+};
+
 class Flow {
  public:
-  Flow(Context& context, const Connectivity& surface, const CoverSurface& cover,
-       const CoverMap& map, const std::vector<CoverLandmark>& landmarks)
+  Flow(Context& context, Geometry geometry, FlowProblem problem)
       : context_(context),
-        surface_(surface),
-        cover_(cover),
-        plane_(cover.geometry),
-        map_(map),
-        landmarks_(landmarks),
-        links_(linksOf(surface, cover, map)),
-        moves_(surface.vertexCount(), Motion::Identity()) {}
+        surface_(std::move(problem.surface)),
+        mirror_(std::move(problem.mirror)),
+        plane_(geometry),
+        points_(std::move(problem.points)),
+        halfedges_(std::move(problem.halfedges)),
+        links_(std::move(problem.links)),
+        moves_(surface_.vertexCount(), Motion::Identity()),
+        goals_(std::move(problem.goals)),
+        rests_(points_.size(), false) {
+    halfedges_.resize(points_.size(), kNone);
+  }
 
-  Result<LandmarkFlow> run() {
-    const Context::Stage stage(context_, "landmarks");
-    findGoals();
+  /// All but the map. partly: a landmark beside a fold stays where it is, and the others go on.
+  Result<LandmarkFlow> run(bool partly) {
     LandmarkFlow result;
-    for (std::size_t i = 0; i < landmarks_.size(); ++i) wayLeft(i, &travel_.emplace_back());
+    findTravels();
     double share = 1;  // Of what a step could be.
-    int halvings = 0;
+    int halvings = 0, steps = 0;
     while (!met()) {
       RETURN_IF_ERROR(context_.check());
-      if (++result.steps > kMostSteps || halvings > kMostHalvings) {
+      if (++steps > kMostFlowSteps || halvings > kMostFlowHalvings) {
         result.met = false;
-        break;
+        if (!partly || !stayBehind()) break;
+        share = 1;
+        halvings = steps = 0;
+        continue;
       }
+      ++result.steps;
       if (step(share)) {
         share = std::min(1.0, 2 * share);
         halvings = std::max(0, halvings - 1);
@@ -78,17 +84,16 @@ class Flow {
         ++halvings;
       }
     }
-    result.around = result.met ? std::vector<std::size_t>() : around_;
-    result.map = moved(surface_, cover_, map_, moves_);
-    if (countFolded(surface_, result.map) > 0) {
-      result.met = false;
-      result.map = map_;
-    }
+    if (!result.met) result.around = around_;
+    std::sort(result.around.begin(), result.around.end());
     return result;
   }
 
+  /// As HarmonicMap has them.
+  const std::vector<Motion>& moves() const { return moves_; }
+
  private:
-  Index firstHalfedge(std::size_t i) const { return 3 * landmarks_[i].point.face; }
+  Index firstHalfedge(std::size_t i) const { return 3 * points_[i].face; }
 
   /// The corners of a landmark's face in the frame of the first one.
   std::array<Motion, 3> corners(std::size_t i) const {
@@ -100,34 +105,31 @@ class Flow {
   Vector3d placeOf(std::size_t i) const {
     const std::array<Motion, 3> at = corners(i);
     Vector3d sum = Vector3d::Zero();
-    for (int c = 0; c < 3; ++c) sum += landmarks_[i].point.barycentric[c] * at[c].col(2);
+    for (int c = 0; c < 3; ++c) sum += points_[i].barycentric[c] * at[c].col(2);
     return plane_.normalized(sum);
   }
 
   /// From the landmark's frame to that of its face's first corner.
   Motion frameOf(std::size_t i) const { return plane_.shift(plane_.wayTo(placeOf(i))); }
 
-  /// Targets as the first corners of the landmarks' faces see them, by the shortest ways.
-  void findGoals() {
-    PathSearch search(cover_, cover_.surface.vertexCount());
-    search.searchAll();
-    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-      const Index first = surface_.tail(firstHalfedge(i)), face = map_.images[first].face;
-      const Motion frame = plane_.shift(plane_.wayTo(map_.places[first]));
-      const CoverArrival here = walkStraight(cover_, face, map_.places[first],
-                                             plane_.normalized(Vector3d(frame * placeOf(i))));
-      search.start(cover_.pointAt(here.face, here.place));
-      const Motion way = search.find(landmarks_[i].target).value_or(Motion::Identity());
-      goals_.push_back(plane_.normalized(Vector3d(plane_.inverse(frame) * here.motion * way *
-                                                  cover_.place(landmarks_[i].target))));
+  /// What a landmark can do, in its frame: all, or go along the boundary.
+  Matrix2d freedom(std::size_t i) const {
+    const Index h = halfedges_[i];
+    if (h == kNone) return Matrix2d::Identity();
+    const std::array<Motion, 3> at = corners(i);
+    const Motion back = plane_.inverse(frameOf(i));
+    Vector2d along = Vector2d::Zero();
+    for (const Index end : {h, Connectivity::next(h)}) {
+      const Vector2d way = plane_.wayTo(Vector3d(back * at[end % 3].col(2)));
+      if (way.norm() > along.norm()) along = way;
     }
+    return along * along.transpose() / along.squaredNorm();
   }
 
-  /// In the landmark's frame; its length to `length`, where one is given.
-  Vector2d wayLeft(std::size_t i, double* length = nullptr) const {
-    const Vector2d way = plane_.wayTo(Vector3d(plane_.inverse(frameOf(i)) * goals_[i]));
-    if (length != nullptr) *length = way.norm();
-    return way;
+  /// In the landmark's frame.
+  Vector2d wayLeft(std::size_t i) const {
+    if (rests_[i]) return Vector2d::Zero();
+    return freedom(i) * plane_.wayTo(Vector3d(plane_.inverse(frameOf(i)) * goals_[i]));
   }
 
   double edgeAt(std::size_t i) const {
@@ -138,11 +140,48 @@ class Flow {
     return longest;
   }
 
+  /// The one nearest to the last fold that has not come to rest; false where there is none.
+  bool stayBehind() {
+    if (around_.empty()) return false;
+    rests_[around_.front()] = true;
+    around_.clear();
+    return true;
+  }
+
   bool met() const {
-    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-      if (wayLeft(i).norm() > kMet * edgeAt(i)) return false;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (wayLeft(i).norm() > kFlowMet * edgeAt(i)) return false;
     }
     return true;
+  }
+
+  /// How far a landmark goes, or others would take it along: to stay behind takes as much room.
+  void findTravels() {
+    for (std::size_t i = 0; i < points_.size(); ++i) travel_.push_back(wayLeft(i).norm());
+    std::vector<std::size_t> rest(points_.size());
+    std::iota(rest.begin(), rest.end(), 0);
+    while (!rest.empty()) {
+      // Farthest first: nothing takes it along farther.
+      const auto next =
+          std::max_element(rest.begin(), rest.end(),
+                           [&](std::size_t i, std::size_t j) { return travel_[i] < travel_[j]; });
+      const std::size_t i = *next;
+      rest.erase(next);
+      if (!(travel_[i] > 0)) break;
+      const View view = lookAround(i);
+      for (const std::size_t j : rest) {
+        for (const Index v : surface_.face(points_[j].face)) {
+          const double share =
+              std::max(shareAt(view, v), mirror_.empty() ? 0 : shareAt(view, mirror_[v]));
+          travel_[j] = std::max(travel_[j], share * travel_[i]);
+        }
+      }
+    }
+  }
+
+  double shareAt(const View& view, Index v) const {
+    const auto seen = view.motions.find(v);
+    return seen == view.motions.end() ? 0 : flowKernel(distanceTo(seen->second) / view.reach);
   }
 
   struct Candidate {
@@ -160,7 +199,7 @@ class Flow {
   /// ends before.
   View lookAround(std::size_t i) const {
     View view;
-    view.reach = std::max(kReach * travel_[i], kEdges * edgeAt(i));
+    view.reach = std::max(kFlowReach * travel_[i], kFlowEdges * edgeAt(i));
     const Motion back = plane_.inverse(frameOf(i));
     std::priority_queue<Candidate> queue;
     const std::array<Motion, 3> at = corners(i);
@@ -175,7 +214,7 @@ class Flow {
       if (!is_new) {
         const Motion around = plane_.inverse(known->second) * next.motion;
         if (distanceToUnit(around) > kSameMotion * (1 + next.motion(2, 2))) {
-          view.reach = std::max(distanceTo(known->second), kEdges * edgeAt(i) / 2);
+          view.reach = std::max(distanceTo(known->second), kFlowEdges * edgeAt(i) / 2);
         }
         continue;
       }
@@ -198,17 +237,42 @@ class Flow {
   Matrix2d carried(const View& view, const Motion& motion) const {
     const Vector2d way = plane_.wayTo(motion.col(2));
     const Motion turn = plane_.inverse(plane_.shift(way)) * motion;
-    return kernel(way.norm() / view.reach) * turn.topLeftCorner<2, 2>().transpose();
+    return flowKernel(way.norm() / view.reach) * turn.topLeftCorner<2, 2>().transpose();
+  }
+
+  /// The same of all that goes with a landmark: of a double, its mirror image moves alike.
+  Matrix2d carriedTo(const View& view, Index v) const {
+    Matrix2d sum = Matrix2d::Zero();
+    if (const auto seen = view.motions.find(v); seen != view.motions.end()) {
+      sum += carried(view, seen->second);
+    }
+    if (mirror_.empty()) return sum;
+    if (const auto seen = view.motions.find(mirror_[v]); seen != view.motions.end()) {
+      sum += mirrored(carried(view, seen->second));
+    }
+    return sum;
+  }
+
+  template <typename Rows>
+  static Rows mirrored(Rows rows) {
+    rows.row(1) *= -1;
+    return rows;
   }
 
   /// The vectors at the landmarks under which all of them go a share of their ways.
   std::vector<Vector2d> strengths(const std::vector<View>& views, double share) const {
     const auto count = static_cast<Eigen::Index>(views.size());
+    std::vector<Matrix2d> freedoms;
+    for (std::size_t i = 0; i < views.size(); ++i) freedoms.push_back(freedom(i));
     Eigen::MatrixXd system = Eigen::MatrixXd::Zero(2 * count, 2 * count);
     Eigen::VectorXd wanted(2 * count);
     for (Eigen::Index i = 0; i < count; ++i) {
-      wanted.segment<2>(2 * i) = share * wayLeft(static_cast<std::size_t>(i));
+      const auto number = static_cast<std::size_t>(i);
+      wanted.segment<2>(2 * i) = share * wayLeft(number);
       addRows(views, i, system);
+      system.middleRows<2>(2 * i) = (freedoms[number] * system.middleRows<2>(2 * i)).eval();
+      // What it cannot do stays undone.
+      system.block<2, 2>(2 * i, 2 * i) += Matrix2d::Identity() - freedoms[number];
     }
     const Eigen::VectorXd found =
         Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(system).solve(wanted);
@@ -224,27 +288,28 @@ class Flow {
     const std::array<Motion, 3> at = corners(number);
     double size = 0;  // Of the combination of the corners' vectors.
     for (int c = 0; c < 3; ++c) {
-      size += landmarks_[number].point.barycentric[c] * (back * at[c])(2, 2);
+      size += points_[number].barycentric[c] * (back * at[c])(2, 2);
     }
     for (int c = 0; c < 3; ++c) {
-      const double weight = landmarks_[number].point.barycentric[c] / size;
+      const double weight = points_[number].barycentric[c] / size;
       const Index v = surface_.tail(firstHalfedge(number) + c);
       const Matrix2d seen = (back * at[c]).topLeftCorner<2, 2>();
       for (Eigen::Index j = 0; j < system.cols() / 2; ++j) {
-        const auto motion = views[j].motions.find(v);
-        if (motion == views[j].motions.end()) continue;
-        system.block<2, 2>(2 * i, 2 * j) += weight * seen * carried(views[j], motion->second);
+        system.block<2, 2>(2 * i, 2 * j) += weight * seen * carriedTo(views[j], v);
       }
     }
   }
 
-  /// Goes on, with every landmark at most kStep of its reach; false where that would fold a face.
+  /// Goes on, with every landmark at most kFlowStep of its reach; false where that would fold a
+  /// face.
   bool step(double share) {
-    std::vector<View> views;
-    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-      views.push_back(lookAround(i));
+    std::vector<View> views(points_.size());
+    parallelBlocks(views.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) views[i] = lookAround(i);
+    });
+    for (std::size_t i = 0; i < points_.size(); ++i) {
       const double left = wayLeft(i).norm();
-      if (share * left > kStep * views[i].reach) share = kStep * views[i].reach / left;
+      if (share * left > kFlowStep * views[i].reach) share = kFlowStep * views[i].reach / left;
     }
     const std::vector<Vector2d> vectors = strengths(views, share);
     std::unordered_map<Index, Vector2d> ways;
@@ -252,6 +317,8 @@ class Flow {
       for (const auto& [v, motion] : views[i].motions) {
         const Vector2d way = carried(views[i], motion) * vectors[i];
         ways.try_emplace(v, Vector2d::Zero()).first->second += way;
+        if (mirror_.empty()) continue;
+        ways.try_emplace(mirror_[v], Vector2d::Zero()).first->second += mirrored(way);
       }
     }
     VertexLinks links = links_;
@@ -277,10 +344,11 @@ class Flow {
     return true;
   }
 
-  /// The two landmarks that are nearest to folded faces, of those that move them.
+  /// The two landmarks that are nearest to folded faces, of those that move them and go on.
   void blame(const std::vector<View>& views, const std::vector<bool>& folded) {
     std::vector<std::pair<double, std::size_t>> found;
     for (std::size_t i = 0; i < views.size(); ++i) {
+      if (rests_[i]) continue;
       double nearest = std::numeric_limits<double>::infinity();
       for (Index f = 0; f < surface_.faceCount(); ++f) {
         if (!folded[f]) continue;
@@ -297,28 +365,126 @@ class Flow {
     for (std::size_t i = 0; i < std::min<std::size_t>(2, found.size()); ++i) {
       around_.push_back(found[i].second);
     }
-    std::sort(around_.begin(), around_.end());
   }
 
   Context& context_;
-  const Connectivity& surface_;
-  const CoverSurface& cover_;
+  Connectivity surface_;
+  std::vector<Index> mirror_;
   const CoverPlane plane_;
-  const CoverMap& map_;
-  const std::vector<CoverLandmark>& landmarks_;
+  std::vector<SurfacePoint> points_;
+  std::vector<Index> halfedges_;
   VertexLinks links_;
-  std::vector<Motion> moves_;    ///< As HarmonicMap has them.
-  std::vector<Vector3d> goals_;  ///< In the frames of the first corners of the landmarks' faces.
-  std::vector<double> travel_;   ///< How far the landmarks are from their targets at first.
-  std::vector<std::size_t> around_;
+  std::vector<Motion> moves_;
+  std::vector<Vector3d> goals_;
+  std::vector<bool> rests_;  ///< Per landmark: whether it has given up.
+  std::vector<double> travel_;
+  std::vector<std::size_t> around_;  ///< Landmarks near the last fold, nearest first.
+};
+
+std::vector<SurfacePoint> pointsOf(const std::vector<CoverLandmark>& landmarks) {
+  std::vector<SurfacePoint> points;
+  for (const CoverLandmark& landmark : landmarks) points.push_back(landmark.point);
+  return points;
+}
+
+/// Follows a flow with a map.
+void follow(const Connectivity& surface, const CoverSurface& cover, const CoverMap& map,
+            const std::vector<Motion>& moves, LandmarkFlow& flow) {
+  flow.map = moved(surface, cover, map, moves);
+  if (countFolded(surface, flow.map) == 0) return;
+  flow.met = false;
+  flow.map = map;
+}
+
+/// A surface with boundary and its mirror image. Frames of the latter are mirrored along the first
+/// axis, which at the boundary is its direction.
+class Doubling {
+ public:
+  Doubling(const Connectivity& surface, const CoverPlane& plane, const VertexLinks& links)
+      : surface_(surface), plane_(plane) {
+    for (const Vector2d& along : boundaryDirections(surface, plane, links)) {
+      turns_.push_back(along.isZero(0) ? Motion(Motion::Identity())
+                                       : CoverPlane::turn(std::atan2(along[1], along[0])));
+    }
+  }
+
+  /// From the frame of vertex v as it was given to the one along the boundary.
+  Motion back(Index v) const { return turns_[v].transpose(); }
+
+  VertexLinks links(const DoubleCover& doubled, const VertexLinks& links) const {
+    VertexLinks result(doubled.connectivity.halfedgeCount());
+    for (Index h = 0; h < surface_.halfedgeCount(); ++h) {
+      result[h] = back(surface_.tail(h)) * links[h] * turns_[surface_.head(h)];
+    }
+    Motion mirror = Motion::Identity();
+    mirror(1, 1) = -1;
+    for (Index h = 0; h < surface_.halfedgeCount(); ++h) {
+      const Index image = 3 * (h / 3 + doubled.face_count) + 2 - h % 3;  // The other way around.
+      result[image] = mirror * plane_.inverse(result[h]) * mirror;
+      if (surface_.twin(h) == kNone) result[image] = plane_.inverse(result[h]);
+    }
+    return result;
+  }
+
+  /// Of the first copy, in the frames as they were given.
+  std::vector<Motion> moves(const std::vector<Motion>& moves) const {
+    std::vector<Motion> result;
+    for (Index v = 0; v < surface_.vertexCount(); ++v) {
+      result.push_back(turns_[v] * moves[v] * back(v));
+    }
+    return result;
+  }
+
+ private:
+  const Connectivity& surface_;
+  CoverPlane plane_;
+  std::vector<Motion> turns_;
 };
 
 }  // namespace
 
 Result<LandmarkFlow> flowToLandmarks(Context& context, const Connectivity& surface,
                                      const CoverSurface& cover, const CoverMap& map,
-                                     const std::vector<CoverLandmark>& landmarks) {
-  return Flow(context, surface, cover, map, landmarks).run();
+                                     const std::vector<CoverLandmark>& landmarks, bool partly) {
+  const Context::Stage stage(context, "landmarks");
+  Flow flow(context, cover.geometry,
+            {.surface = surface,
+             .links = linksOf(surface, cover, map),
+             .points = pointsOf(landmarks),
+             .goals = nearestGoals(surface, cover, map, landmarks)});
+  ASSIGN_OR_RETURN(LandmarkFlow result, flow.run(partly));
+  follow(surface, cover, map, flow.moves(), result);
+  return result;
+}
+
+Result<LandmarkFlow> flowToLandmarks(Context& context, const Connectivity& surface,
+                                     const TriangleMesh& b, const CoverSurface& cover,
+                                     const CoverMap& map,
+                                     const std::vector<CoverLandmark>& landmarks, bool partly) {
+  const Context::Stage stage(context, "landmarks");
+  ASSIGN_OR_RETURN(DoubleCover doubled, doubleCover(surface));
+  const VertexLinks links = linksOf(surface, cover, map);
+  const Doubling doubling(surface, cover.plane(), links);
+  std::vector<CoverLandmark> marks = landmarks;
+  std::vector<Index> halfedges;
+  for (CoverLandmark& mark : marks) {
+    const auto at = borderPointAt(surface, mark.point);
+    if (at) mark.point = at->point();
+    halfedges.push_back(at ? at->halfedge : kNone);
+  }
+  FlowProblem problem{.surface = doubled.connectivity,
+                      .links = doubling.links(doubled, links),
+                      .mirror = std::move(doubled.involution),
+                      .points = pointsOf(marks),
+                      .goals = nearestGoals(surface, b, cover, map, marks),
+                      .halfedges = std::move(halfedges)};
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    problem.goals[i] = doubling.back(surface.tail(3 * marks[i].point.face)) * problem.goals[i];
+  }
+  Flow flow(context, cover.geometry, std::move(problem));
+  ASSIGN_OR_RETURN(LandmarkFlow result, flow.run(partly));
+  follow(surface, cover, map, doubling.moves(flow.moves()), result);
+  return result;
 }
 
 }  // namespace moduli

@@ -10,10 +10,13 @@
 
 #include "core/base/side_by_side.h"
 #include "core/intrinsic/edge_graph.h"
+#include "core/matching/border_landmarks.h"
 #include "core/matching/capped_disk.h"
 #include "core/matching/disk_alignment.h"
 #include "core/matching/disk_rim.h"
+#include "core/matching/hemisphere_flow.h"
 #include "core/matching/homeomorphism.h"
+#include "core/matching/landmark_meeting.h"
 #include "core/matching/rim_targets.h"
 #include "core/matching/split_surface.h"
 #include "core/spherical/robust_disk.h"
@@ -48,19 +51,6 @@ Result<Disk> conformalDisk(Context& context, const TriangleMesh& mesh,
   ASSIGN_OR_RETURN(Points3 points,
                    conformalHemisphere(context, split.mesh(), capped, initial_delaunay));
   return Disk{std::move(split), std::move(capped), std::move(points)};
-}
-
-/// Whether a point is on the boundary.
-bool isOnRim(const Connectivity& surface, const SurfacePoint& point) {
-  constexpr double kNothing = 1e-12;
-  for (int c = 0; c < 3; ++c) {
-    const Index h = 3 * point.face + c;
-    if (point.barycentric[c] >= 1 - kNothing && surface.isBoundaryVertex(surface.tail(h))) {
-      return true;
-    }
-    if (point.barycentric[(c + 2) % 3] <= kNothing && surface.twin(h) == kNone) return true;
-  }
-  return false;
 }
 
 /// Points of B's boundary near points of B.
@@ -118,31 +108,29 @@ class DiskMatching {
     const bool conformal = guess_.method != MatchMethod::kNearIsometry;
     std::vector<SurfacePoint> images = located(locator, rim, points);
     const bool good = conformal && distanceFromGuess(images) < kGuessError;
-    if (good && options_.landmarks.empty()) return described(images, points);
-    std::vector<VertexTarget> targets = good ? targetsAt(images) : spectralTargets(rim);
-    for (std::size_t i = 0; i < options_.landmarks.size(); ++i) {
-      RETURN_IF_ERROR(addLandmark(i, targets));
+    const bool is_drawn = !options_.soft_landmarks.empty();
+    if (good && options_.landmarks.empty()) {
+      return is_drawn ? drawn(locator, rim, std::move(points)) : described(images, points);
     }
     HomeomorphismOptions fitting;
     if (conformal) fitting.smoothing = kConformalSmoothing;
     ASSIGN_OR_RETURN(
-        const Homeomorphism map,
-        fitHomeomorphism(
-            context_, {from_->surface(), from_->capped.positions(), points, from_->pole(), exact_},
-            {locator, to_->capped.positions(), to_->pole()}, targets, fitting));
-    return described(map.images, map.points);
+        Homeomorphism map,
+        fit(locator, points, good ? targetsAt(images) : spectralTargets(rim), fitting));
+    return is_drawn ? drawn(locator, rim, std::move(map.points))
+                    : described(map.images, map.points);
   }
 
  private:
   Status prepare() {
+    std::vector<MatchLandmark> all = options_.landmarks;
+    all.insert(all.end(), options_.soft_landmarks.begin(), options_.soft_landmarks.end());
+    RETURN_IF_ERROR(checkBorderSides(a_.connectivity(), b_.connectivity(), all));
+    RETURN_IF_ERROR(checkDistinct(a_, b_, all));
+    RETURN_IF_ERROR(checkBorderOrder(BorderPlaces(a_), BorderPlaces(b_), a_.connectivity(),
+                                     b_.connectivity(), options_.landmarks));
     std::vector<SurfacePoint> marks;
-    for (const MatchLandmark& landmark : options_.landmarks) {
-      if (isOnRim(a_.connectivity(), landmark.a) != isOnRim(b_.connectivity(), landmark.b)) {
-        return {Reason::kInvalidOption,
-                landmark.name + " is on the boundary of one surface, not on that of the other"};
-      }
-      marks.push_back(landmark.a);
-    }
+    for (const MatchLandmark& landmark : options_.landmarks) marks.push_back(landmark.a);
     std::optional<Result<Disk>> first, second;
     const bool delaunay = options_.initial_delaunay;
     sideBySide(
@@ -220,18 +208,50 @@ class DiskMatching {
     return sum / a_.vertexCount() / std::sqrt(b_.area());
   }
 
-  Status addLandmark(std::size_t i, std::vector<VertexTarget>& targets) {
-    const Index v = from_->split.vertices()[i];
-    const MatchLandmark& landmark = options_.landmarks[i];
-    for (const auto& [other, name] : exact_) {
-      if (other != v) continue;
-      return {Reason::kInvalidOption,
-              name + " and " + landmark.name + " are at one point of the first surface"};
+  /// With the landmarks that are met.
+  Result<Homeomorphism> fit(const SphereLocator& locator, const Points3& start,
+                            std::vector<VertexTarget> targets,
+                            const HomeomorphismOptions& fitting) const {
+    std::vector<ExactVertex> exact;
+    for (std::size_t i = 0; i < options_.landmarks.size(); ++i) {
+      const Index v = from_->split.vertices()[i];
+      const MatchLandmark& landmark = options_.landmarks[i];
+      std::erase_if(targets, [v](const VertexTarget& target) { return target.vertex == v; });
+      targets.push_back({v, to_->split.after(landmark.b), 1});
+      exact.push_back({v, landmark.name});
     }
-    std::erase_if(targets, [v](const VertexTarget& target) { return target.vertex == v; });
-    targets.push_back({v, to_->split.after(landmark.b), 1});
-    exact_.push_back({v, landmark.name});
-    return {};
+    return fitHomeomorphism(
+        context_, {from_->surface(), from_->capped.positions(), start, from_->pole(), exact},
+        {locator, to_->capped.positions(), to_->pole()}, targets, fitting);
+  }
+
+  /// On the boundary to the last bit, if there.
+  HemisphereMark markOf(const MatchLandmark& landmark) const {
+    const auto here = borderPointAt(a_.connectivity(), landmark.a);
+    const auto there = borderPointAt(b_.connectivity(), landmark.b);
+    const SurfacePoint to = to_->split.after(there ? there->point() : landmark.b);
+    return {from_->split.after(here ? here->point() : landmark.a),
+            spherePoint(to_->surface(), to_->points, to)};
+  }
+
+  /// Soft landmarks taken to their places as far as no face folds, and what came of that evened
+  /// out.
+  Result<SphereCorrespondence> drawn(const SphereLocator& locator, const DiskRim& rim,
+                                     Points3 points) const {
+    std::vector<HemisphereMark> marks;
+    for (const auto* landmarks : {&options_.landmarks, &options_.soft_landmarks}) {
+      for (const MatchLandmark& landmark : *landmarks) marks.push_back(markOf(landmark));
+    }
+    ASSIGN_OR_RETURN(HemisphereFlow flow,
+                     flowOnHemisphere(context_, from_->surface(), std::move(points), marks));
+    points = std::move(flow.points);
+    const std::vector<SurfacePoint> images = located(locator, rim, points);
+    const bool conformal = guess_.method != MatchMethod::kNearIsometry;
+    if (conformal && options_.landmarks.empty()) return described(images, points);
+    HomeomorphismOptions fitting;
+    fitting.smoothing = kSoftSmoothing;
+    ASSIGN_OR_RETURN(const Homeomorphism map, fit(locator, points, targetsAt(images), fitting));
+    return described(map.images, map.points);
   }
 
   /// Where the vertices are on B.
@@ -258,6 +278,7 @@ class DiskMatching {
     for (std::size_t i = 0; i < options_.landmarks.size(); ++i) {
       result.landmarks.push_back(to_->split.before(images[from_->split.vertices()[i]]));
     }
+    ASSIGN_OR_RETURN(result.soft_landmarks, softImages(points));
     const TriangleMesh& parts = from_->split.mesh();
     result.report = measureSpaceMap(parts.connectivity(), parts.positions(), places);
     result.distance = isometricDistortion(parts.connectivity(), parts.positions(), places);
@@ -272,13 +293,26 @@ class DiskMatching {
     return result;
   }
 
+  Result<std::vector<SurfacePoint>> softImages(const Points3& points) const {
+    std::vector<SurfacePoint> images;
+    if (options_.soft_landmarks.empty()) return images;
+    ASSIGN_OR_RETURN(const SphereLocator locator, SphereLocator::make(to_->surface(), to_->points));
+    const DiskRim rim(to_->surface(), to_->points, to_->capped.positions());
+    for (const MatchLandmark& landmark : options_.soft_landmarks) {
+      const Eigen::Vector3d there =
+          spherePoint(from_->surface(), points, from_->split.after(landmark.a));
+      const bool on_rim = borderPointAt(a_.connectivity(), landmark.a).has_value();
+      images.push_back(to_->split.before(on_rim ? rim.at(there) : locator.locate(there)));
+    }
+    return images;
+  }
+
   Context& context_;
   const TriangleMesh& a_;
   const TriangleMesh& b_;
   const SpectralGuess& guess_;
   const MatchOptions& options_;
   std::optional<Disk> from_, to_;
-  std::vector<ExactVertex> exact_;
 };
 
 }  // namespace

@@ -1,11 +1,9 @@
 #include "core/matching/match_handles.h"
 
-#include <cmath>
-#include <string>
 #include <utility>
 
 #include "core/matching/cover_inverse.h"
-#include "core/matching/landmark_flow.h"
+#include "core/matching/landmark_meeting.h"
 #include "core/matching/settling.h"
 #include "core/matching/sharpened_targets.h"
 #include "core/matching/whole_map.h"
@@ -13,15 +11,6 @@
 namespace moduli {
 namespace {
 
-/// Of the root of the area: nearer points are one.
-constexpr double kOnePoint = 1e-9;
-
-/// How often a map is evened out on the way to landmarks.
-constexpr int kRounds = 4;
-
-/// Of what soft landmarks have made of a map: shorter than that of targets, for they are better
-/// known.
-constexpr double kSoftSmoothing = 0.02;
 /// Towards points known by their places: as fitHomeomorphism's over that length.
 constexpr double kShapePull = 4 / (kShapeSmoothing * kShapeSmoothing);
 
@@ -31,39 +20,6 @@ constexpr double kSharpSmoothing = 0.02;
 constexpr Index kMostSharpened = 2 * kThinnedVertices;
 
 using Landmarks = std::vector<MatchLandmark>;
-
-/// Two landmarks of one point, or with one target, have no map.
-Status checkDistinct(const TriangleMesh& a, const TriangleMesh& b, const Landmarks& landmarks) {
-  const auto apart = [](const TriangleMesh& mesh, const SurfacePoint& p, const SurfacePoint& q) {
-    return (spacePoint(mesh.connectivity(), mesh.positions(), p) -
-            spacePoint(mesh.connectivity(), mesh.positions(), q))
-               .norm() > kOnePoint * std::sqrt(mesh.area());
-  };
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const std::string names = landmarks[j].name + " and " + landmarks[i].name;
-      if (!apart(a, landmarks[i].a, landmarks[j].a)) {
-        return {Reason::kInvalidOption, names + " coincide on the surface"};
-      }
-      if (!apart(b, landmarks[i].b, landmarks[j].b)) {
-        return {Reason::kInvalidOption, names + " are sent to the same place"};
-      }
-    }
-  }
-  return {};
-}
-
-Status notMet(const std::vector<CoverLandmark>& landmarks, const std::vector<std::size_t>& around) {
-  if (around.size() == 2) {
-    return {Reason::kFoldedMap,
-            landmarks[around[0]].name + " and " + landmarks[around[1]].name +
-                " contradict each other: faces around them fold before both are met",
-            "leave one of them out, give it as a soft landmark, or refine the mesh between them"};
-  }
-  const std::string name = around.empty() ? "a landmark" : landmarks[around[0]].name;
-  return {Reason::kFoldedMap, name + " cannot be met: faces around it fold",
-          "leave it out, give it as a soft landmark, or refine the mesh around it"};
-}
 
 class HandleMatching {
  public:
@@ -76,18 +32,8 @@ class HandleMatching {
     if (pair_.thin_a) {
       ASSIGN_OR_RETURN(match.map, mapWhole(context_, *pair_.thin_a, a_, b_, cover_, match.map));
     }
-    if (!options_.soft_landmarks.empty()) {
-      std::vector<CoverLandmark> all = onCover(options_.landmarks);
-      for (CoverLandmark& landmark : onCover(options_.soft_landmarks)) {
-        all.push_back(std::move(landmark));
-      }
-      ASSIGN_OR_RETURN(LandmarkFlow flow,
-                       flowToLandmarks(context_, surface(), cover_, match.map, all));
-      ASSIGN_OR_RETURN(match, evenOut(context_, surface(), a_.edgeLengths(), cover_,
-                                      std::move(flow.map), {kSoftSmoothing}));
-    }
-    if (options_.landmarks.empty()) return match;
-    return meet(std::move(match));
+    return meetOnCover(context_, {a_, b_, cover_, options_.landmarks, options_.soft_landmarks},
+                       std::move(match));
   }
 
   std::vector<SurfacePoint> imagesOf(const Landmarks& landmarks, const CoverMap& map) const {
@@ -133,31 +79,7 @@ class HandleMatching {
     return match;
   }
 
-  /// Where faces are about to fold, evening out makes room to go on.
-  Result<HarmonicMatch> meet(HarmonicMatch match) {
-    const std::vector<CoverLandmark> exact = onCover(options_.landmarks);
-    for (int round = 0;; ++round) {
-      ASSIGN_OR_RETURN(LandmarkFlow flow,
-                       flowToLandmarks(context_, surface(), cover_, match.map, exact));
-      if (flow.met) {
-        match.map = std::move(flow.map);
-        return match;
-      }
-      if (round == kRounds) return notMet(exact, flow.around);
-      ASSIGN_OR_RETURN(match,
-                       evenOut(context_, surface(), a_.edgeLengths(), cover_, std::move(flow.map)));
-    }
-  }
-
   const Connectivity& surface() const { return a_.connectivity(); }
-
-  static std::vector<CoverLandmark> onCover(const Landmarks& landmarks) {
-    std::vector<CoverLandmark> result;
-    for (const MatchLandmark& landmark : landmarks) {
-      result.push_back({landmark.a, landmark.b, landmark.name});
-    }
-    return result;
-  }
 
   Context& context_;
   const MatchPair& pair_;

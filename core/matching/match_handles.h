@@ -20,10 +20,8 @@ struct HandleCorrespondence {
 /// A map near a guess: matchHarmonically in b's metric (cover), from sharpenTargets where the guess
 /// contradicts itself (not above 10,000 vertices), settled (settling.h) if the two are near
 /// isometries, of a thinned surface where there is one and from there to the whole (mapWhole);
-/// then flowToLandmarks, and back. Soft landmarks are met likewise, as far as that goes, and what
-/// comes of it is evened out again before landmarks are met. Fails as linkTargets,
-/// matchHarmonically, settle, mapWhole and invertCoverMap do, with kInvalidOption (two landmarks of
-/// one point) and kFoldedMap (landmarks that contradict each other, by their names).
+/// then meetOnCover, and back. Fails as linkTargets, matchHarmonically, settle, mapWhole,
+/// checkDistinct, meetOnCover and invertCoverMap do.
 Result<HandleCorrespondence> matchHandles(Context& context, const MatchPair& pair,
                                           const CoverSurface& cover, const SpectralGuess& guess,
                                           const MatchOptions& options = {});

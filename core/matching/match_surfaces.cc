@@ -219,9 +219,11 @@ class Matching {
       return {};
     }
     if (!isClosed()) {
-      ASSIGN_OR_RETURN(BorderedCorrespondence map, matchBordered(context_, a_, b_, guess.points));
+      ASSIGN_OR_RETURN(BorderedCorrespondence map,
+                       matchBordered(context_, a_, b_, guess.points, {}, options_));
       result_.images = std::move(map.images);
       result_.inverse = std::move(map.inverse);
+      measureLandmarks(map.landmarks, map.soft_landmarks);
       return {};
     }
     RETURN_IF_ERROR(makeCovers());
@@ -352,9 +354,11 @@ Result<SurfaceMatch> matchWithoutChords(Context& context, const TriangleMesh& a,
   ASSIGN_OR_RETURN(const SplitSurface free_a, SplitSurface::make(a));
   ASSIGN_OR_RETURN(const SplitSurface free_b, SplitSurface::make(b));
   MatchOptions there = options;
-  for (MatchLandmark& landmark : there.landmarks) {
-    landmark.a = free_a.after(landmark.a);
-    landmark.b = free_b.after(landmark.b);
+  for (auto* landmarks : {&there.landmarks, &there.soft_landmarks}) {
+    for (MatchLandmark& landmark : *landmarks) {
+      landmark.a = free_a.after(landmark.a);
+      landmark.b = free_b.after(landmark.b);
+    }
   }
   ASSIGN_OR_RETURN(SurfaceMatch match,
                    Matching(context, free_a.mesh(), free_b.mesh(), there).run());
@@ -382,15 +386,6 @@ Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, cons
   }
   RETURN_IF_ERROR(
       checkTopologies(computeTopology(a.connectivity()), computeTopology(b.connectivity())));
-  const bool is_closed = computeTopology(a.connectivity()).boundary_loops.empty();
-  const bool is_disk = isDisk(a.connectivity());
-  if (!is_closed && ((!is_disk && !options.landmarks.empty()) || !options.soft_landmarks.empty())) {
-    return Status(Reason::kUnsupportedTopology,
-                  is_disk
-                      ? "soft landmarks of disks are not available"
-                      : "landmarks of surfaces with boundary other than disks are not available",
-                  "match without them, or close the holes with --fill-holes");
-  }
   for (const auto* landmarks : {&options.landmarks, &options.soft_landmarks}) {
     for (const MatchLandmark& landmark : *landmarks) {
       RETURN_IF_ERROR(checkSurfacePoint(a.connectivity(), landmark.a, landmark.name));

@@ -86,11 +86,12 @@ struct SurfaceMatch {
 ///
 /// a, b: connected, of one genus and number of boundary loops. Boundaries are mapped onto each
 /// other: images of their vertices have a weight of 0 on an edge of the boundary, or 1 at a vertex
-/// of it. Landmarks on closed surfaces and on disks alone, soft ones on closed surfaces; those of
-/// disks are met by vertices that are put there. Fails with kUnsupportedTopology (naming both
-/// topologies), kNoConvergence (no correspondence), kFoldedMap (naming landmarks that contradict
-/// each other), kInvalidOption (a landmark), as makeSpectralSurface, fitHomeomorphism,
-/// matchHandles, matchDisks and matchBordered do. Some seconds at 50,000 vertices. Source: MATH 9.
+/// of it. Landmarks on the boundary of one surface are on that of the other, and tell which loops
+/// correspond; exact ones of disks are met by vertices that are put there. Fails with
+/// kUnsupportedTopology (naming both topologies), kNoConvergence (no correspondence), kFoldedMap
+/// (naming landmarks that contradict each other), kInvalidOption (naming a landmark), as
+/// makeSpectralSurface, fitHomeomorphism, matchHandles, matchDisks and matchBordered do. Some
+/// seconds at 50,000 vertices. Source: MATH 9.
 Result<SurfaceMatch> matchSurfaces(Context& context, const TriangleMesh& a, const TriangleMesh& b,
                                    const MatchOptions& options = {});
 

@@ -3,26 +3,30 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace moduli {
 
 PathSearch::PathSearch(const CoverSurface& cover, Index vertices)
-    : cover_(cover),
+    : cover_(&cover),
       plane_(cover.geometry),
-      frames_(vertexFrames(cover)),
-      links_(ownLinks(cover, frames_)),
       vertices_(vertices),
-      state_(vertices),
-      most_(300 + vertices / 100) {}
+      slots_(vertices, 0),
+      most_(300 + static_cast<std::size_t>(vertices) / 100) {
+  Frames frames;
+  frames.corners = vertexFrames(cover);
+  frames.links = ownLinks(cover, frames.corners);
+  frames_ = std::make_shared<const Frames>(std::move(frames));
+}
 
 void PathSearch::start(const SurfacePoint& point) {
-  ++now_;
-  taken_ = 0;
-  queue_ = {};
+  reached_.clear();
+  queue_.clear();
   face_ = point.face;
   for (int c = 0; c < 3; ++c) {
     const Index h = 3 * point.face + c;
-    queue_.push({toCorner(point, c), cover_.surface.tail(h), h, true});
+    const Index v = cover_->surface.tail(h);
+    if (v < vertices_) push({toCorner(point, c), v, h, true});
   }
 }
 
@@ -34,19 +38,19 @@ std::optional<Motion> PathSearch::find(const SurfacePoint& point) {
     int nearest = -1;
     double least = 0;
     for (int c = 0; c < 3; ++c) {
-      const State& corner = state_[cover_.surface.tail(3 * point.face + c)];
-      if (corner.round != now_) continue;
-      const double distance = corner.distance + rest[c];
+      const Reached* corner = at(cover_->surface.tail(3 * point.face + c));
+      if (corner == nullptr) continue;
+      const double distance = corner->distance + rest[c];
       if (nearest >= 0 && distance >= least) continue;
       least = distance;
       nearest = c;
     }
-    if (nearest >= 0 && (queue_.empty() || queue_.top().distance >= least)) {
+    if (nearest >= 0 && (queue_.empty() || queue_.front().distance >= least)) {
       const Index h = 3 * point.face + nearest;
       return plane_.normalized(
-          Motion(state_[cover_.surface.tail(h)].motion * plane_.inverse(frames_[h])));
+          Motion(motionTo(cover_->surface.tail(h)) * plane_.inverse(frames_->corners[h])));
     }
-    if (queue_.empty() || taken_ >= most_) return std::nullopt;
+    if (queue_.empty() || reached_.size() >= most_) return std::nullopt;
     takeNext();
   }
 }
@@ -62,25 +66,53 @@ double PathSearch::toCorner(const SurfacePoint& point, int c) const {
   return std::sqrt(std::max(0.0, square));
 }
 
+/// Nothing where the search has not come yet, or does not go.
+PathSearch::Reached* PathSearch::at(Index v) {
+  if (v >= vertices_) return nullptr;
+  const auto slot = static_cast<std::size_t>(slots_[v]);
+  return slot < reached_.size() && reached_[slot].vertex == v ? &reached_[slot] : nullptr;
+}
+
+/// Few of the vertices reached are asked for it.
+const Motion& PathSearch::motionTo(Index v) {
+  const Connectivity& surface = cover_->surface;
+  way_.clear();
+  for (Index w = v; !at(w)->is_moved; w = surface.tail(at(w)->halfedge)) {
+    way_.push_back(w);
+    if (at(w)->is_first) break;
+  }
+  motions_.resize(reached_.size());
+  for (; !way_.empty(); way_.pop_back()) {
+    Reached& reached = *at(way_.back());
+    const Index from = reached.halfedge;
+    motions_[slots_[way_.back()]] =
+        reached.is_first ? frames_->corners[from]
+                         : plane_.normalized(
+                               Motion(motions_[slots_[surface.tail(from)]] * frames_->links[from]));
+    reached.is_moved = true;
+  }
+  return motions_[slots_[v]];
+}
+
+void PathSearch::push(const Candidate& candidate) {
+  queue_.push_back(candidate);
+  std::push_heap(queue_.begin(), queue_.end());
+}
+
 void PathSearch::takeNext() {
-  const Candidate next = queue_.top();
-  queue_.pop();
-  State& state = state_[next.vertex];
-  if (state.round == now_) return;
-  ++taken_;
-  state.round = now_;
-  state.distance = next.distance;
-  const Connectivity& surface = cover_.surface;
-  const Index from = next.halfedge;
-  state.motion = next.is_first
-                     ? frames_[from]
-                     : plane_.normalized(Motion(state_[surface.tail(from)].motion * links_[from]));
+  std::pop_heap(queue_.begin(), queue_.end());
+  const Candidate next = queue_.back();
+  queue_.pop_back();
+  if (at(next.vertex) != nullptr) return;
+  slots_[next.vertex] = static_cast<Index>(reached_.size());
+  reached_.push_back({next.distance, next.vertex, next.halfedge, next.is_first});
+  const Connectivity& surface = cover_->surface;
   const Index first = surface.outgoing(next.vertex);
   Index h = first;
   do {
     const Index beyond = surface.head(h);
-    if (beyond < vertices_ && state_[beyond].round != now_) {
-      queue_.push({next.distance + length(h), beyond, h, false});
+    if (beyond < vertices_ && at(beyond) == nullptr) {
+      push({next.distance + length(h), beyond, h, false});
     }
     h = surface.rotate(h);
   } while (h != first);

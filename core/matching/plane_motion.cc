@@ -70,19 +70,20 @@ Vector3d CoverPlane::normalized(const Vector3d& vector) const {
 }
 
 Motion CoverPlane::normalized(const Motion& motion) const {
-  Motion turned = motion;
-  Motion there = Motion::Identity();
+  const auto rotation = [](const Motion& turned) {
+    const Vector2d axis(turned(0, 0) + turned(1, 1), turned(1, 0) - turned(0, 1));
+    const Vector2d unit = axis.normalized();
+    Motion result = Motion::Identity();
+    result.topLeftCorner<2, 2>() << unit[0], -unit[1], unit[1], unit[0];
+    return result;
+  };
   if (is_flat_) {
-    there.topRightCorner<2, 1>() = motion.topRightCorner<2, 1>();
-  } else {
-    there = shift(wayTo(motion.col(2)));
-    turned = inverse(there) * motion;
+    Motion result = rotation(motion);
+    result.topRightCorner<2, 1>() = motion.topRightCorner<2, 1>();
+    return result;
   }
-  const Vector2d axis(turned(0, 0) + turned(1, 1), turned(1, 0) - turned(0, 1));
-  const Vector2d unit = axis.normalized();
-  Motion rotation = Motion::Identity();
-  rotation.topLeftCorner<2, 2>() << unit[0], -unit[1], unit[1], unit[0];
-  return there * rotation;
+  const Motion there = shift(wayTo(motion.col(2)));
+  return there * rotation(inverse(there) * motion);
 }
 
 double CoverPlane::area(const Vector3d& p, const Vector3d& q) const {

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/base/parallel.h"
 #include "core/matching/thinning.h"
 #include "core/spherical/map_quality.h"
 
@@ -15,9 +17,31 @@ namespace {
 
 constexpr int kChances = 10;  ///< How often room is made for a vertex that found no place.
 constexpr int kRepairs = 3;
+/// Vertices that one thread places before it asks for more.
+constexpr std::size_t kTogether = 128;
 
 double excessOf(const Relaxation& map) {
   return map.excess(map.present());
+}
+
+/// Vertices of no common edge, side by side. Where one finds no place it is the last one that is
+/// back, and returned.
+std::optional<RingMesh::Collapse> restoreSome(Relaxation& map, Index wanted) {
+  const std::vector<RingMesh::Collapse> undone =
+      restoreSeparated(map.mesh(), wanted - map.mesh().vertexCount());
+  std::vector<char> placed(undone.size());
+  parallelBlocks(undone.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      placed[i] = map.place(undone[i].removed, undone[i].kept) ? 1 : 0;
+    }
+  });
+  const auto stuck =
+      static_cast<std::size_t>(std::find(placed.begin(), placed.end(), 0) - placed.begin());
+  if (stuck == undone.size()) return std::nullopt;
+  for (std::size_t i = undone.size() - 1; i > stuck; --i) {
+    map.mesh().collapse(undone[i].removed, undone[i].kept);
+  }
+  return undone[stuck];
 }
 
 /// Takes a vertex that found no place out again, and others with it that are stuck near it.
@@ -80,12 +104,11 @@ bool thinUntilTame(Relaxation& map, double wildest) {
 Status restoreVertices(Context& context, Relaxation& map, Index wanted) {
   int chances = kChances;
   while (map.mesh().vertexCount() < wanted) {
-    if (map.mesh().vertexCount() % 4096 == 0) RETURN_IF_ERROR(context.check());
-    const RingMesh::Collapse undone = map.mesh().restore();
-    if (map.place(undone.removed, undone.kept)) continue;
-    if (chances-- > 0 && makeRoom(map, undone)) continue;
+    RETURN_IF_ERROR(context.check());
+    const std::optional<RingMesh::Collapse> undone = restoreSome(map, wanted);
+    if (!undone || (chances-- > 0 && makeRoom(map, *undone))) continue;
     return {Reason::kFoldedMap,
-            "vertex " + std::to_string(undone.removed) +
+            "vertex " + std::to_string(undone->removed) +
                 " finds no place that folds no face: the map is thinner there than doubles tell "
                 "apart"};
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/parallel.h"
 #include "core/matching/plane_step.h"
 
 namespace moduli {
@@ -25,6 +26,9 @@ constexpr double kTooThin = 1e-5;  ///< Wild.
 
 /// How much stronger than an attraction what a held vertex is drawn by is.
 constexpr double kHold = 100;
+
+/// Vertices that one thread moves before it asks for more.
+constexpr std::size_t kTogether = 128;
 
 /// Without energy.
 const SpaceTriangle kNoFace = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
@@ -261,6 +265,19 @@ Status Relaxation::relaxAll(Context& context, const std::vector<Index>& order, i
     }
     left -= gained;
     if (!(gained > tolerance * std::clamp(left, 0.0, kMuch))) break;
+  }
+  return {};
+}
+
+Status Relaxation::relaxSets(Context& context, const std::vector<std::vector<Index>>& sets,
+                             int sweeps, double times) {
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    RETURN_IF_ERROR(context.check());
+    for (const std::vector<Index>& set : sets) {
+      parallelBlocks(set.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) relax(set[i], times);
+      });
+    }
   }
   return {};
 }

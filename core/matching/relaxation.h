@@ -69,6 +69,12 @@ class Relaxation {
   /// isometry falls by less than `tolerance` of itself, or `sweeps` times.
   Status relaxAll(Context& context, const std::vector<Index>& order, int sweeps, double tolerance);
 
+  /// Relaxes the vertices of separatedSets, each set side by side, `sweeps` times, by steps so many
+  /// times as long: they look at their rings alone, so that the outcome is the same on any number
+  /// of threads.
+  Status relaxSets(Context& context, const std::vector<std::vector<Index>>& sets, int sweeps,
+                   double times = 1);
+
   /// Relaxes these vertices and their neighbours, then what their moves disturb; `sweeps` rounds at
   /// most. O(what moves).
   void relaxNear(const std::vector<Index>& vertices, int sweeps, double tolerance);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <unordered_set>
 
 namespace moduli {
 namespace {
@@ -126,6 +127,18 @@ RingMesh::Collapse RingMesh::restore() {
   present_[last.removed] = 1;
   ++count_;
   return last;
+}
+
+std::vector<RingMesh::Collapse> restoreSeparated(RingMesh& mesh, Index most) {
+  std::vector<RingMesh::Collapse> restored;
+  std::unordered_set<Index> back;
+  while (static_cast<Index>(restored.size()) < most && !mesh.collapses().empty()) {
+    const Ring& ring = mesh.ring(mesh.collapses().back().removed);
+    if (std::any_of(ring.begin(), ring.end(), [&](Index w) { return back.count(w) > 0; })) break;
+    restored.push_back(mesh.restore());
+    back.insert(restored.back().removed);
+  }
+  return restored;
 }
 
 std::vector<std::vector<Index>> separatedSets(const RingMesh& mesh,

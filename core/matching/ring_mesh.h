@@ -72,6 +72,11 @@ class RingMesh {
   Index count_ = 0, pole_ = kNone;
 };
 
+/// Undoes up to `most` collapses, for as long as the vertices that come back are in no ring of each
+/// other: their images can be found side by side. In the order of coming back; none where most is
+/// not positive or nothing is left. O(degree) each.
+std::vector<RingMesh::Collapse> restoreSeparated(RingMesh& mesh, Index most);
+
 /// Vertices that are present in sets without an edge in one set, greedily in the order given: what
 /// moves a vertex by its ring alone may move a set side by side. O(V).
 std::vector<std::vector<Index>> separatedSets(const RingMesh& mesh,

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/matching/isometric_step.h"
 #include "core/matching/surface_walk.h"
 #include "core/spherical/exact_sign.h"
@@ -16,12 +17,18 @@ using Vectors = std::vector<Vector3d>;
 /// After a common step: evens out the few faces that it does harm to.
 constexpr int kSweeps = 3;
 constexpr int kHalvings = 5;
+/// Vertices or edges that one thread moves before it asks for more.
+constexpr std::size_t kTogether = 512;
 
 /// A map to a surface of genus 0, as it moves.
 class SphereState {
  public:
   SphereState(const Connectivity& surface, const SphereDomain& domain, Relaxation map)
-      : surface_(&surface), domain_(&domain), map_(std::move(map)), order_(map_.inSweepOrder()) {}
+      : surface_(&surface),
+        domain_(&domain),
+        map_(std::move(map)),
+        order_(map_.inSweepOrder()),
+        sets_(separatedSets(map_.mesh(), order_)) {}
 
   Vectors places() const {
     Vectors places;
@@ -44,11 +51,14 @@ class SphereState {
 
   Result<SphereState> moved(Context& context, const Vectors& steps, double share) const {
     SphereState result = *this;
-    for (const Index v : order_) {
-      result.map_.setImage(v, domain_->walk(map_.image(v), share * steps[v]));
-    }
+    parallelBlocks(order_.size(), kTogether, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) {
+        const Index v = order_[i];
+        result.map_.setImage(v, domain_->walk(map_.image(v), share * steps[v]));
+      }
+    });
     while (result.keepFolded(map_)) RETURN_IF_ERROR(context.check());
-    RETURN_IF_ERROR(result.map_.relaxAll(context, order_, kSweeps, 0));
+    RETURN_IF_ERROR(result.map_.relaxSets(context, sets_, kSweeps));
     return result;
   }
 
@@ -72,6 +82,7 @@ class SphereState {
   const SphereDomain* domain_;
   Relaxation map_;
   std::vector<Index> order_;
+  std::vector<std::vector<Index>> sets_;
 };
 
 /// A map to a surface with handles.
@@ -98,11 +109,13 @@ class CoverState {
   Result<CoverState> moved(Context& context, const Vectors& steps, double share) const {
     CoverState result = *this;
     std::vector<Motion> way(steps.size(), Motion::Identity());
-    for (std::size_t v = 0; v < steps.size(); ++v) {
-      const auto cross = [&](Index h) { way[v] = way[v] * cover_->across[h]; };
-      result.map_.images[v] = (*walk_)(map_.images[v], share * steps[v], 256, cross);
-      result.map_.places[v] = cover_->place(result.map_.images[v]);
-    }
+    parallelBlocks(steps.size(), kTogether, [&](std::size_t v, std::size_t end) {
+      for (; v < end; ++v) {
+        const auto cross = [&](Index h) { way[v] = way[v] * cover_->across[h]; };
+        result.map_.images[v] = (*walk_)(map_.images[v], share * steps[v], 256, cross);
+        result.map_.places[v] = cover_->place(result.map_.images[v]);
+      }
+    });
     do {
       RETURN_IF_ERROR(context.check());
       result.follow(map_, way);
@@ -116,12 +129,15 @@ class CoverState {
   /// Changes the transitions as the ways of the vertices demand.
   void follow(const CoverMap& before, const std::vector<Motion>& way) {
     const CoverPlane plane = cover_->plane();
-    for (Index e = 0; e < surface_->edgeCount(); ++e) {
-      const Index h = surface_->halfedge(e), back = surface_->twin(h);
-      map_.transitions[h] = plane.normalized(Motion(
-          plane.inverse(way[surface_->tail(h)]) * before.transitions[h] * way[surface_->head(h)]));
-      map_.transitions[back] = plane.inverse(map_.transitions[h]);
-    }
+    parallelBlocks(surface_->edgeCount(), kTogether, [&](std::size_t begin, std::size_t end) {
+      for (auto e = static_cast<Index>(begin); e < static_cast<Index>(end); ++e) {
+        const Index h = surface_->halfedge(e), back = surface_->twin(h);
+        map_.transitions[h] =
+            plane.normalized(Motion(plane.inverse(way[surface_->tail(h)]) * before.transitions[h] *
+                                    way[surface_->head(h)]));
+        map_.transitions[back] = plane.inverse(map_.transitions[h]);
+      }
+    });
   }
 
   bool keepFolded(const CoverMap& before, std::vector<Motion>& way) {

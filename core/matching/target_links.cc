@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/matching/boundary_links.h"
 #include "core/matching/close_links.h"
 #include "core/matching/path_search.h"
@@ -17,6 +18,9 @@ using Eigen::Vector3d;
 
 constexpr double kClosed = 1e-6;
 constexpr int kMostRounds = 12;
+/// Vertices that one thread links before it asks for more; a search of its own costs something,
+/// too.
+constexpr std::size_t kTogether = 512, kMostBlocks = 32;
 
 class Linking {
  public:
@@ -28,9 +32,8 @@ class Linking {
         cover_(cover),
         plane_(cover.geometry),
         search_(cover, vertices),
-        step_search_(cover, vertices),
         transitions_(surface.halfedgeCount()),
-        known_(surface.edgeCount(), false),
+        known_(surface.edgeCount(), 0),
         replaced_(surface.vertexCount(), false) {
     map_.images = std::move(targets);
   }
@@ -39,7 +42,7 @@ class Linking {
   void setBoundary(const std::vector<Motion>& transitions) {
     for (Index e = 0; e < surface_.edgeCount(); ++e) {
       if (!surface_.isBoundaryEdge(e)) continue;
-      known_[e] = true;
+      known_[e] = 1;
       transitions_[surface_.halfedge(e)] = transitions[surface_.halfedge(e)];
     }
   }
@@ -72,22 +75,35 @@ class Linking {
 
   /// Short paths along all edges at these vertices.
   Status linkAround(const std::vector<bool>& at) {
-    for (Index v = 0; v < surface_.vertexCount(); ++v) {
-      if (v % 1024 == 0) RETURN_IF_ERROR(context_.check());
-      bool started = false;
-      const Index first = surface_.outgoing(v);
-      Index h = first;
-      do {
-        // Each edge from its own tail, so that both ways are one.
-        if (surface_.sign(h) > 0 && (at[v] || at[surface_.head(h)])) {
-          if (!started) search_.start(map_.images[v]);
-          started = true;
-          link(h);
-        }
-        h = surface_.rotate(h);
-      } while (h != first && h != kNone);
-    }
-    return {};
+    const std::size_t count = at.size();
+    parallelBlocks(count, std::max(kTogether, count / kMostBlocks),
+                   [&](std::size_t v, std::size_t end) {
+                     Searches own{search_, search_};
+                     for (; v < end; ++v) {
+                       if (v % 1024 == 0 && !context_.check().ok()) return;
+                       linkFrom(static_cast<Index>(v), at, own);
+                     }
+                   });
+    return context_.check();
+  }
+
+  struct Searches {
+    PathSearch whole, step;
+  };
+
+  /// Each edge from its own tail, so that both ways are one.
+  void linkFrom(Index v, const std::vector<bool>& at, Searches& searches) {
+    bool started = false;
+    const Index first = surface_.outgoing(v);
+    Index h = first;
+    do {
+      if (surface_.sign(h) > 0 && (at[v] || at[surface_.head(h)])) {
+        if (!started) searches.whole.start(map_.images[v]);
+        started = true;
+        link(h, searches);
+      }
+      h = surface_.rotate(h);
+    } while (h != first && h != kNone);
   }
 
   const SurfacePoint& headOf(Index h) const { return map_.images[surface_.head(h)]; }
@@ -97,12 +113,12 @@ class Linking {
   }
 
   /// The same as find(headOf(h)), by points between.
-  std::optional<Motion> alongWay(Index h) {
+  std::optional<Motion> alongWay(Index h, PathSearch& search) const {
     Motion way = Motion::Identity();
     const SurfacePoint* from = &map_.images[surface_.tail(h)];
     const auto step = [&](const SurfacePoint& to) {
-      step_search_.start(*from);
-      const std::optional<Motion> found = step_search_.find(to);
+      search.start(*from);
+      const std::optional<Motion> found = search.find(to);
       if (found) way = plane_.normalized(Motion(way * *found));
       from = &to;
       return found.has_value();
@@ -113,10 +129,11 @@ class Linking {
     return step(headOf(h)) ? std::optional(way) : std::nullopt;
   }
 
-  void link(Index h) {
+  void link(Index h, Searches& searches) {
     if (surface_.twin(h) == kNone) return;
-    const std::optional<Motion> found = isWayKnown(h) ? alongWay(h) : search_.find(headOf(h));
-    known_[surface_.edge(h)] = found.has_value();
+    const std::optional<Motion> found =
+        isWayKnown(h) ? alongWay(h, searches.step) : searches.whole.find(headOf(h));
+    known_[surface_.edge(h)] = found.has_value() ? 1 : 0;
     if (!found) return;
     transitions_[h] = *found;
     transitions_[surface_.twin(h)] = plane_.inverse(*found);
@@ -130,7 +147,7 @@ class Linking {
     std::vector<bool> wrong = replaced_;
     for (Index f = 0; f < surface_.faceCount(); ++f) {
       bool known = true;
-      for (Index h = 3 * f; h < 3 * f + 3; ++h) known = known && known_[surface_.edge(h)];
+      for (Index h = 3 * f; h < 3 * f + 3; ++h) known = known && known_[surface_.edge(h)] != 0;
       const bool closed = known && distanceToUnit(transitions_[3 * f] * transitions_[3 * f + 1] *
                                                   transitions_[3 * f + 2]) < kClosed;
       for (const Index v : surface_.face(f)) {
@@ -183,12 +200,13 @@ class Linking {
 
   Result<TargetLinks> finish() {
     TargetLinks result;
-    search_.searchAll();
+    Searches searches{search_, search_};
+    searches.whole.searchAll();
     for (Index e = 0; e < surface_.edgeCount(); ++e) {
-      if (known_[e]) continue;
+      if (known_[e] != 0) continue;
       RETURN_IF_ERROR(context_.check());
-      search_.start(map_.images[surface_.tail(surface_.halfedge(e))]);
-      link(surface_.halfedge(e));
+      searches.whole.start(map_.images[surface_.tail(surface_.halfedge(e))]);
+      link(surface_.halfedge(e), searches);
     }
     for (const SurfacePoint& image : map_.images) map_.places.push_back(cover_.place(image));
     ASSIGN_OR_RETURN(map_.transitions,
@@ -205,10 +223,10 @@ class Linking {
   const Connectivity& surface_;
   const CoverSurface& cover_;
   CoverPlane plane_;
-  PathSearch search_, step_search_;
+  PathSearch search_;  ///< To be copied.
   const EdgeWays* ways_ = nullptr;
   std::vector<Motion> transitions_;
-  std::vector<bool> known_;     ///< Per edge.
+  std::vector<char> known_;     ///< Per edge.
   std::vector<bool> replaced_;  ///< Per vertex.
   CoverMap map_;
 };

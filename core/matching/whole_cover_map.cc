@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 /// Over all vertices: at every level, and at the last one.
 constexpr int kSweeps = 1, kLastSweeps = 2;
 /// Vertices that one thread moves before it asks for more.
-constexpr std::size_t kTogether = 256;
+constexpr std::size_t kTogether = 128;
 /// Twice a triangle's area in the plane over the square of its longest side: what is clearer of
 /// turning over than this need not be kept from it, and what is less so is not made.
 constexpr double kClear = 1e-3, kTooThin = 1e-9;
@@ -91,7 +91,7 @@ class CoverRefinement {
     for (double level = 1; level <= levels; ++level) {
       const auto wanted =
           static_cast<Index>(std::lround(here * std::pow(all / here, level / levels)));
-      while (mesh_.vertexCount() < wanted) RETURN_IF_ERROR(restoreOne());
+      while (mesh_.vertexCount() < wanted) RETURN_IF_ERROR(restoreSome(wanted));
       const std::vector<std::vector<Index>> sets = separatedSets(mesh_, order_);
       for (int sweep = 0; sweep < (level < levels ? kSweeps : kLastSweeps); ++sweep) {
         RETURN_IF_ERROR(context_.check());
@@ -153,9 +153,41 @@ class CoverRefinement {
     return least;
   }
 
-  Status restoreOne() {
-    if (mesh_.vertexCount() % 1024 == 0) RETURN_IF_ERROR(context_.check());
-    const auto [v, kept] = mesh_.restore();
+  /// A vertex that comes back, as it is found.
+  struct Arrival {
+    Index v = kNone, kept = kNone;
+    bool has_place = false;
+    Vertex vertex = {};
+    std::vector<Motion> transitions = {};  ///< Per neighbour.
+  };
+
+  /// Vertices of no common edge, side by side.
+  Status restoreSome(Index wanted) {
+    RETURN_IF_ERROR(context_.check());
+    std::vector<Arrival> arrivals;
+    for (const auto& [v, kept] : restoreSeparated(mesh_, wanted - mesh_.vertexCount())) {
+      arrivals.push_back({v, kept});
+    }
+    parallelBlocks(arrivals.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) place(arrivals[i]);
+    });
+    for (Arrival& arrival : arrivals) {
+      if (!arrival.has_place) {
+        return {Reason::kFoldedMap, "vertex " + std::to_string(arrival.v) +
+                                        " finds no place that folds no face: the map is thinner "
+                                        "there than doubles tell apart"};
+      }
+      join(arrival);
+      order_.push_back(arrival.v);
+    }
+    parallelBlocks(arrivals.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) relax(arrivals[i].v, 1);
+    });
+    return {};
+  }
+
+  void place(Arrival& arrival) {
+    const auto [v, kept] = std::pair(arrival.v, arrival.kept);
     const std::vector<Index>& ring = mesh_.ring(v);
     // As `kept`, which is in the ring, sees it.
     std::vector<Motion> to;
@@ -167,30 +199,34 @@ class CoverRefinement {
     const auto at =
         static_cast<std::size_t>(std::find(ring.begin(), ring.end(), kept) - ring.begin());
     const Vector3d place = placeIn(v, places, at);
-    if (!(place[2] > 0)) {
-      return {Reason::kFoldedMap, "vertex " + std::to_string(v) +
-                                      " finds no place that folds no face: the map is thinner "
-                                      "there than doubles tell apart"};
-    }
+    arrival.has_place = place[2] > 0;
+    if (!arrival.has_place) return;
     const CoverArrival end = walkStraight(cover_, vertices_[kept].image.face, places[at], place);
-    Vertex& vertex = vertices_[v];
-    vertex.image = cover_.pointAt(end.face, end.place);
-    vertex.place = end.place;
-    vertex.space = walk_.place(vertex.image);
+    arrival.vertex.image = cover_.pointAt(end.face, end.place);
+    arrival.vertex.place = end.place;
+    arrival.vertex.space = walk_.place(arrival.vertex.image);
     const Motion back = plane_.inverse(end.motion);
+    for (const Motion& motion : to) {
+      arrival.transitions.push_back(plane_.normalized(Motion(back * motion)));
+    }
+  }
+
+  /// Takes its place among its neighbours.
+  void join(Arrival& arrival) {
+    const auto [v, kept] = std::pair(arrival.v, arrival.kept);
+    const std::vector<Index>& ring = mesh_.ring(v);
+    vertices_[v] = std::move(arrival.vertex);
+    const auto at =
+        static_cast<std::size_t>(std::find(ring.begin(), ring.end(), kept) - ring.begin());
     const std::size_t n = ring.size();
     for (std::size_t i = 0; i < n; ++i) {
       if (i != at && i != (at + 1) % n && i != (at + n - 1) % n) {
         forget(kept, ring[i]);
         forget(ring[i], kept);
       }
-      const Motion motion = plane_.normalized(Motion(back * to[i]));
-      see(v, ring[i], motion);
-      see(ring[i], v, plane_.inverse(motion));
+      see(v, ring[i], arrival.transitions[i]);
+      see(ring[i], v, plane_.inverse(arrival.transitions[i]));
     }
-    order_.push_back(v);
-    relax(v, 1);
-    return {};
   }
 
   /// In the kernel of a ring: 0 where no double is.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/parallel.h"
 #include "core/matching/refinement.h"
 #include "core/matching/relaxation.h"
 
@@ -15,17 +14,6 @@ namespace {
 constexpr int kSweeps = 1, kLastSweeps = 4;
 constexpr double kTolerance = 2e-3;
 
-/// Vertices that one thread moves before it asks for more.
-constexpr std::size_t kTogether = 256;
-
-/// Vertices of a separated set look at their rings alone, and change nothing that another one sees:
-/// the outcome is the same on any number of threads.
-void relaxTogether(Relaxation& map, const std::vector<Index>& set) {
-  parallelBlocks(set.size(), kTogether, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) map.relax(set[i], kOverRelaxation);
-  });
-}
-
 /// Puts all vertices back in levels of equal ratios, of about twice as many vertices each, and
 /// sweeps over them.
 Status restoreAll(Context& context, Relaxation& map) {
@@ -35,10 +23,8 @@ Status restoreAll(Context& context, Relaxation& map) {
     const double wanted = here * std::pow(all / here, level / levels);
     RETURN_IF_ERROR(restoreVertices(context, map, static_cast<Index>(std::lround(wanted))));
     const std::vector<std::vector<Index>> sets = separatedSets(map.mesh(), map.inSweepOrder());
-    for (int sweep = 0; sweep < (level < levels ? kSweeps : kLastSweeps); ++sweep) {
-      RETURN_IF_ERROR(context.check());
-      for (const std::vector<Index>& set : sets) relaxTogether(map, set);
-    }
+    const int sweeps = level < levels ? kSweeps : kLastSweeps;
+    RETURN_IF_ERROR(map.relaxSets(context, sets, sweeps, kOverRelaxation));
   }
   return {};
 }

@@ -14,30 +14,6 @@
 namespace moduli {
 namespace {
 
-// Text between tags. A carriage return would be read back as a line feed.
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '\r':
-        result += "&#13;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
-
 // XML has no other control characters than these three.
 bool isXmlText(std::string_view text) {
   std::string printable(text);
@@ -153,7 +129,7 @@ class GiftiWriter {
     }
     out_ += "<MetaData>\n";
     for (const GiftiMetaItem& item : items) {
-      out_ += "<MD><Name>" + escaped(item.name) + "</Name><Value>" + escaped(item.value) +
+      out_ += "<MD><Name>" + xmlText(item.name) + "</Name><Value>" + xmlText(item.value) +
               "</Value></MD>\n";
     }
     out_ += "</MetaData>\n";
@@ -174,8 +150,8 @@ class GiftiWriter {
   }
 
   void system(const GiftiCoordinateSystem& system) {
-    out_ += "<CoordinateSystemTransformMatrix>\n<DataSpace>" + escaped(system.data_space) +
-            "</DataSpace>\n<TransformedSpace>" + escaped(system.transformed_space) +
+    out_ += "<CoordinateSystemTransformMatrix>\n<DataSpace>" + xmlText(system.data_space) +
+            "</DataSpace>\n<TransformedSpace>" + xmlText(system.transformed_space) +
             "</TransformedSpace>\n<MatrixData>";
     for (std::size_t i = 0; i < system.matrix.size(); ++i) {
       appendText(out_, system.matrix[i]);

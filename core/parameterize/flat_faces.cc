@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <string>
 #include <utility>
 
 #include "core/hyperbolic/straight_faces.h"
@@ -143,18 +142,6 @@ class Pieces {
   std::vector<NewVertex> side_points_;
 };
 
-Status checkFaces(const Connectivity& surface) {
-  for (Index f = 0; f < surface.faceCount(); ++f) {
-    const auto& [a, b, c] = surface.face(f);
-    if (a != b && b != c && c != a) continue;
-    return {Reason::kFoldedMap,
-            "the flat metric turns faces over, and face " + std::to_string(f) +
-                " has a vertex twice, so that faces cannot be cut",
-            "give a finer triangulation"};
-  }
-  return {};
-}
-
 }  // namespace
 
 FlatFaces flatFaces(const Connectivity& surface, const DiscreteMetric& metric) {
@@ -168,7 +155,7 @@ FlatFaces flatFaces(const Connectivity& surface, const DiscreteMetric& metric) {
 Result<FlatFaces> refineFlatFaces(Context& context, const Connectivity& surface,
                                   const DiscreteMetric& metric) {
   const Context::Stage stage(context, "refine");
-  RETURN_IF_ERROR(checkFaces(surface));
+  RETURN_IF_ERROR(checkCuttable(surface, "the flat metric"));
   const StraightFaces faces = straightFaces(metric);
   const FlatCharts charts = chartsOfTriangles(faces.lengths, faces.angles);
   ASSIGN_OR_RETURN(const Overlay overlay, Overlay::make(context, metric.triangulation));

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -261,18 +260,6 @@ class CutEdges {
   std::vector<std::vector<Point>> vertices_;  ///< With the ends.
 };
 
-Status checkFaces(const Connectivity& surface) {
-  for (Index f = 0; f < surface.faceCount(); ++f) {
-    const auto& [a, b, c] = surface.face(f);
-    if (a != b && b != c && c != a) continue;
-    return {Reason::kFoldedMap,
-            "the hyperbolic metric turns faces over, and face " + std::to_string(f) +
-                " has a vertex twice, so that faces cannot be cut",
-            "give a finer triangulation"};
-  }
-  return {};
-}
-
 }  // namespace
 
 StraightSurface straighten(const Connectivity& surface, const Uniformization& uniformization) {
@@ -285,7 +272,7 @@ StraightSurface straighten(const Connectivity& surface, const Uniformization& un
 Result<StraightSurface> straightenRefined(Context& context, const Connectivity& surface,
                                           const Uniformization& uniformization) {
   const Context::Stage stage(context, "refine");
-  RETURN_IF_ERROR(checkFaces(surface));
+  RETURN_IF_ERROR(checkCuttable(surface, "the hyperbolic metric"));
   const DiscreteMetric& metric = uniformization.metric;
   const StraightFaces faces = straightFaces(metric);
   ASSIGN_OR_RETURN(const Overlay overlay, Overlay::make(context, metric.triangulation));
@@ -312,7 +299,7 @@ Result<StraightSurface> splitStraight(const StraightSurface& surface,
   const CutEdges edges(surface);
   const HyperbolicTriangles& triangles = edges.triangles();
   const Connectivity& given = triangles.surface;
-  RETURN_IF_ERROR(checkFaces(given));
+  RETURN_IF_ERROR(checkCuttable(given, "the hyperbolic metric"));
   std::vector<Subdivision::Vertex> vertices;
   Pieces pieces(given, triangles.lengths, triangles.angles);
   for (Index e = 0; e < given.edgeCount(); ++e) {

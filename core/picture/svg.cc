@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/base/text.h"
+
 namespace moduli {
 namespace {
 
@@ -43,26 +45,6 @@ std::string attributes(const SvgStyle& style) {
   }
   if (style.opacity < 1) text += attribute("opacity", style.opacity);
   return text;
-}
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
 }
 
 bool continues(char c) {
@@ -135,7 +117,7 @@ void Svg::text(std::string_view text, double x, double y, double size, const Col
   text_ += "<text" + attribute("x", x) + attribute("y", y) + attribute("font-size", size) +
            " font-family=\"DejaVu Sans, Verdana, sans-serif\"" +
            (bold ? " font-weight=\"bold\"" : "") + " fill=\"" + hex(color) + "\">" +
-           escaped(cutOff(text, size, max_width)) + "</text>\n";
+           xmlText(cutOff(text, size, max_width)) + "</text>\n";
 }
 
 void Svg::beginClip(const SvgPath& path) {

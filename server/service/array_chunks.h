@@ -1,6 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "moduli/v1/parameterization.pb.h"
@@ -39,5 +43,28 @@ class ArrayChunks {
   std::size_t array_ = 0;
   std::size_t offset_ = 0;
 };
+
+/// The messages of an answer one after the other: arrays in chunks, then what `finish` fills in,
+/// then nothing. The arrays must live as long; `finish` may own them.
+template <typename Response>
+std::function<std::optional<Response>()> inParts(std::vector<ArrayView> arrays,
+                                                 std::function<void(Response&)> finish) {
+  struct State {
+    ArrayChunks arrays;
+    bool done = false;
+  };
+  const auto state = std::make_shared<State>(State{ArrayChunks(std::move(arrays))});
+  return [state, finish = std::move(finish)]() -> std::optional<Response> {
+    if (state->done) return std::nullopt;
+    Response response;
+    if (!state->arrays.done()) {
+      state->arrays.fill(*response.mutable_array());
+      return response;
+    }
+    finish(response);
+    state->done = true;
+    return response;
+  };
+}
 
 }  // namespace moduli

@@ -56,40 +56,15 @@ void addWarnings(const Side& side, const InputPoints& points, v1::MatchCertifica
   }
 }
 
-/// Hands out the messages of a match one after the other.
-class Parts {
- public:
-  Parts(std::shared_ptr<const MatchedMeshes> match, bool omit_arrays, bool inverse)
-      : match_(std::move(match)), arrays_(arraysOf(*match_, omit_arrays, inverse)) {}
-
-  std::optional<v1::MatchSurfacesResponse> next() {
-    if (done_) return {};
-    v1::MatchSurfacesResponse response;
-    if (!arrays_.done()) {
-      arrays_.fill(*response.mutable_array());
-      return response;
-    }
-    *response.mutable_match() = match_->result;
-    done_ = true;
-    return response;
-  }
-
- private:
-  static std::vector<ArrayView> arraysOf(const MatchedMeshes& match, bool omit_arrays,
-                                         bool inverse) {
-    if (omit_arrays) return {};
-    std::vector<ArrayView> arrays = {viewOf(v1::ArrayChunk::IMAGE_FACES, 1, match.map.faces),
-                                     viewOf(v1::ArrayChunk::IMAGE_WEIGHTS, 3, match.map.weights)};
-    if (!inverse) return arrays;
-    arrays.push_back(viewOf(v1::ArrayChunk::INVERSE_FACES, 1, match.inverse.faces));
-    arrays.push_back(viewOf(v1::ArrayChunk::INVERSE_WEIGHTS, 3, match.inverse.weights));
-    return arrays;
-  }
-
-  std::shared_ptr<const MatchedMeshes> match_;
-  ArrayChunks arrays_;
-  bool done_ = false;
-};
+std::vector<ArrayView> arraysOf(const MatchedMeshes& match, bool omit_arrays, bool inverse) {
+  if (omit_arrays) return {};
+  std::vector<ArrayView> arrays = {viewOf(v1::ArrayChunk::IMAGE_FACES, 1, match.map.faces),
+                                   viewOf(v1::ArrayChunk::IMAGE_WEIGHTS, 3, match.map.weights)};
+  if (!inverse) return arrays;
+  arrays.push_back(viewOf(v1::ArrayChunk::INVERSE_FACES, 1, match.inverse.faces));
+  arrays.push_back(viewOf(v1::ArrayChunk::INVERSE_WEIGHTS, 3, match.inverse.weights));
+  return arrays;
+}
 
 }  // namespace
 
@@ -121,9 +96,11 @@ Result<MatchedMeshes> matchMeshes(Context& context, const Backend& backend,
 
 std::function<std::optional<v1::MatchSurfacesResponse>()> matchParts(
     std::shared_ptr<const MatchedMeshes> match, const v1::MatchSurfacesRequest& request) {
-  const auto parts =
-      std::make_shared<Parts>(std::move(match), request.omit_arrays(), request.inverse());
-  return [parts] { return parts->next(); };
+  auto arrays = arraysOf(*match, request.omit_arrays(), request.inverse());
+  return inParts<v1::MatchSurfacesResponse>(
+      std::move(arrays), [match = std::move(match)](v1::MatchSurfacesResponse& response) {
+        *response.mutable_match() = match->result;
+      });
 }
 
 }  // namespace moduli

@@ -125,49 +125,21 @@ Result<Optimized> walk(Context& context, const Function& function,
   return result;
 }
 
-/// Hands out the messages of a minimization one after the other.
-class Parts {
- public:
-  explicit Parts(std::shared_ptr<const Optimized> optimized)
-      : optimized_(std::move(optimized)), arrays_(arraysOf(*optimized_)) {}
-
-  std::optional<v1::MinimizeResponse> next() {
-    if (done_) return {};
-    v1::MinimizeResponse response;
-    if (!arrays_.done()) {
-      arrays_.fill(*response.mutable_array());
-      return response;
-    }
-    if (optimized_->direction) {
-      *response.mutable_direction() = *optimized_->direction;
-    } else {
-      *response.mutable_minimization() = optimized_->minimization;
-    }
-    done_ = true;
-    return response;
+std::vector<ArrayView> arraysOf(const Optimized& optimized) {
+  std::vector<ArrayView> arrays;
+  if (!optimized.entries.empty()) {
+    arrays.push_back(
+        viewOf(optimized.direction ? v1::ArrayChunk::DIRECTION : v1::ArrayChunk::MINIMIZER, 1,
+               optimized.entries));
   }
-
- private:
-  static std::vector<ArrayView> arraysOf(const Optimized& optimized) {
-    std::vector<ArrayView> arrays;
-    if (!optimized.entries.empty()) {
-      arrays.push_back(
-          viewOf(optimized.direction ? v1::ArrayChunk::DIRECTION : v1::ArrayChunk::MINIMIZER, 1,
-                 optimized.entries));
-    }
-    if (!optimized.trace.empty()) {
-      arrays.push_back(viewOf(v1::ArrayChunk::TRACE, 7, optimized.trace));
-    }
-    if (!optimized.path.empty()) {
-      arrays.push_back(viewOf(v1::ArrayChunk::PATH, 2, optimized.path));
-    }
-    return arrays;
+  if (!optimized.trace.empty()) {
+    arrays.push_back(viewOf(v1::ArrayChunk::TRACE, 7, optimized.trace));
   }
-
-  std::shared_ptr<const Optimized> optimized_;
-  ArrayChunks arrays_;
-  bool done_ = false;
-};
+  if (!optimized.path.empty()) {
+    arrays.push_back(viewOf(v1::ArrayChunk::PATH, 2, optimized.path));
+  }
+  return arrays;
+}
 
 }  // namespace
 
@@ -180,8 +152,15 @@ Result<Optimized> optimizeFunction(Context& context, const Backend& backend,
 
 std::function<std::optional<v1::MinimizeResponse>()> optimizationParts(
     std::shared_ptr<const Optimized> optimized) {
-  const auto parts = std::make_shared<Parts>(std::move(optimized));
-  return [parts] { return parts->next(); };
+  auto arrays = arraysOf(*optimized);
+  return inParts<v1::MinimizeResponse>(
+      std::move(arrays), [optimized = std::move(optimized)](v1::MinimizeResponse& response) {
+        if (optimized->direction) {
+          *response.mutable_direction() = *optimized->direction;
+        } else {
+          *response.mutable_minimization() = optimized->minimization;
+        }
+      });
 }
 
 }  // namespace moduli

@@ -150,51 +150,26 @@ v1::Parameterization describe(const Options& options, const Subject& subject,
   return result;
 }
 
-/// Hands out the messages of a parameterization one after the other.
-class Parts {
- public:
-  Parts(std::shared_ptr<const ParameterizedSurface> surface, bool omit_arrays)
-      : surface_(std::move(surface)),
-        arrays_(omit_arrays ? std::vector<ArrayView>() : arraysOf(*surface_)) {}
-
-  std::optional<v1::ParameterizeResponse> next() {
-    if (done_) return {};
-    v1::ParameterizeResponse response;
-    if (!arrays_.done()) {
-      arrays_.fill(*response.mutable_array());
-      return response;
-    }
-    *response.mutable_parameterization() = surface_->result;
-    done_ = true;
-    return response;
+std::vector<ArrayView> arraysOf(const ParameterizedSurface& surface) {
+  std::vector<ArrayView> arrays = {viewOf(v1::ArrayChunk::POSITIONS, 3, surface.positions),
+                                   viewOf(v1::ArrayChunk::FACES, 3, surface.faces),
+                                   viewOf(v1::ArrayChunk::POINTS, 2, surface.points),
+                                   viewOf(v1::ArrayChunk::CORNERS, 3, surface.corners)};
+  if (!surface.parents.empty()) {
+    arrays.push_back(viewOf(v1::ArrayChunk::PARENTS, 1, surface.parents));
   }
-
- private:
-  static std::vector<ArrayView> arraysOf(const ParameterizedSurface& surface) {
-    std::vector<ArrayView> arrays = {viewOf(v1::ArrayChunk::POSITIONS, 3, surface.positions),
-                                     viewOf(v1::ArrayChunk::FACES, 3, surface.faces),
-                                     viewOf(v1::ArrayChunk::POINTS, 2, surface.points),
-                                     viewOf(v1::ArrayChunk::CORNERS, 3, surface.corners)};
-    if (!surface.parents.empty()) {
-      arrays.push_back(viewOf(v1::ArrayChunk::PARENTS, 1, surface.parents));
-    }
-    if (!surface.carried.empty()) {
-      arrays.push_back(viewOf(v1::ArrayChunk::CARRIED, 1, surface.carried));
-    }
-    if (surface.result.has_hyperbolic()) {
-      arrays.push_back(viewOf(v1::ArrayChunk::GEODESICS, 7, surface.geodesics));
-    }
-    const std::string& atlas = surface.atlas;
-    if (!atlas.empty()) {
-      arrays.push_back({v1::ArrayChunk::ATLAS_JSON, atlas.size(), 1, atlas.data(), atlas.size()});
-    }
-    return arrays;
+  if (!surface.carried.empty()) {
+    arrays.push_back(viewOf(v1::ArrayChunk::CARRIED, 1, surface.carried));
   }
-
-  std::shared_ptr<const ParameterizedSurface> surface_;
-  ArrayChunks arrays_;
-  bool done_ = false;
-};
+  if (surface.result.has_hyperbolic()) {
+    arrays.push_back(viewOf(v1::ArrayChunk::GEODESICS, 7, surface.geodesics));
+  }
+  const std::string& atlas = surface.atlas;
+  if (!atlas.empty()) {
+    arrays.push_back({v1::ArrayChunk::ATLAS_JSON, atlas.size(), 1, atlas.data(), atlas.size()});
+  }
+  return arrays;
+}
 
 }  // namespace
 
@@ -236,8 +211,11 @@ Result<ParameterizedSurface> parameterizeMesh(Context& context, const Backend& b
 
 std::function<std::optional<v1::ParameterizeResponse>()> parameterizationParts(
     std::shared_ptr<const ParameterizedSurface> surface, bool omit_arrays) {
-  const auto parts = std::make_shared<Parts>(std::move(surface), omit_arrays);
-  return [parts] { return parts->next(); };
+  auto arrays = omit_arrays ? std::vector<ArrayView>() : arraysOf(*surface);
+  return inParts<v1::ParameterizeResponse>(
+      std::move(arrays), [surface = std::move(surface)](v1::ParameterizeResponse& response) {
+        *response.mutable_parameterization() = surface->result;
+      });
 }
 
 }  // namespace moduli

@@ -45,6 +45,7 @@ void benchYardstick(benchmark::State& state, const std::shared_ptr<Case>& mesh) 
   state.counters["analyse"] = mesh->yardstick.analyse / mesh->yardstick.total();
   state.counters["factorize"] = mesh->yardstick.factorize / mesh->yardstick.total();
   state.counters["solve"] = mesh->yardstick.solve / mesh->yardstick.total();
+  state.counters["alone"] = mesh->yardstick.alone / mesh->yardstick.total();
   state.counters["faces"] = mesh->prepared.mesh.faceCount();
 }
 

@@ -5,6 +5,7 @@
 
 #include "client/cpp/client.h"
 #include "client/cpp/connect.h"
+#include "tests/client/array_chunk.h"
 #include "tests/client/cli_test.h"
 #include "tests/client/fake_server.h"
 
@@ -15,18 +16,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using Chunk = v1::ArrayChunk;
-
-template <typename Number>
-Chunk chunk(Chunk::Array array, int rows, int columns, const std::vector<Number>& numbers,
-            std::int64_t offset = 0) {
-  Chunk message;
-  message.set_array(array);
-  message.set_rows(rows);
-  message.set_columns(columns);
-  message.set_offset(offset);
-  message.set_data(numbers.data(), numbers.size() * sizeof(Number));
-  return message;
-}
 
 /// A square of two triangles, the second of which is not mapped.
 std::vector<Chunk> square() {

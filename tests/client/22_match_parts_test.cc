@@ -5,6 +5,7 @@
 #include "client/cli/vertex_map_file.h"
 #include "client/cpp/matched_surfaces.h"
 #include "core/mesh/samples.h"
+#include "tests/client/array_chunk.h"
 #include "tests/core/testing.h"
 
 /// Parts of a match behind the service: arrays put together, the map's file, the picture.
@@ -14,18 +15,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using Chunk = v1::ArrayChunk;
-
-template <typename Number>
-Chunk chunk(Chunk::Array array, int rows, int columns, const std::vector<Number>& numbers,
-            std::int64_t offset = 0) {
-  Chunk message;
-  message.set_array(array);
-  message.set_rows(rows);
-  message.set_columns(columns);
-  message.set_offset(offset);
-  message.set_data(numbers.data(), numbers.size() * sizeof(Number));
-  return message;
-}
 
 /// Two vertices, the second of which goes nowhere.
 std::vector<Chunk> sound() {

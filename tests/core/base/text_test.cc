@@ -48,6 +48,11 @@ TEST(Text, PrintableUtf8RefusesControlsAndBrokenSequences) {
   }
 }
 
+TEST(Text, ForXmlHasNoTagsAndNoCarriageReturns) {
+  EXPECT_EQ(xmlText("a < b && b > \"c\"\r\n"), "a &lt; b &amp;&amp; b &gt; \"c\"&#13;\n");
+  EXPECT_EQ(xmlText(""), "");
+}
+
 TEST(Digest, Sha256OfKnownTexts) {
   EXPECT_EQ(sha256Hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   EXPECT_EQ(sha256Hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");

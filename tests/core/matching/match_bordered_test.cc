@@ -7,11 +7,10 @@
 #include <utility>
 
 #include "core/matching/map_report.h"
-#include "core/matching/split_surface.h"
 #include "core/mesh/double_cover.h"
 #include "core/mesh/read.h"
 #include "core/topology/surface_topology.h"
-#include "tests/core/matching/cover_samples.h"
+#include "tests/core/matching/bordered_samples.h"
 #include "tests/core/matching/renumbered.h"
 
 namespace moduli {
@@ -29,40 +28,6 @@ BorderedCorrespondence matched(const TriangleMesh& a, const TriangleMesh& b,
   return *std::move(found);
 }
 
-// A flat ring, and a bent plate with three holes.
-TriangleSoup ring(int resolution, double outer, int seed) {
-  return *makeSample("annulus", {{"R", outer},
-                                 {"resolution", static_cast<double>(resolution)},
-                                 {"seed", static_cast<double>(seed)}});
-}
-TriangleSoup bentPlate(int resolution, int seed) {
-  TriangleSoup soup = *makeSample("plate", {{"holes", 3},
-                                            {"resolution", static_cast<double>(resolution)},
-                                            {"seed", static_cast<double>(seed)}});
-  for (Vector3d& p : soup.vertices) p[2] = 0.3 * std::sin(p[0]) + 0.05 * p[0] * p[1];
-  return soup;
-}
-// A torus without a patch: as small a one as leaves a surface.
-TriangleSoup openTorus(int resolution, int seed) {
-  const TriangleSoup soup = lumpyTorus(resolution, seed);
-  for (double radius = 0.5;; radius *= 1.02) {
-    TriangleSoup result;
-    std::vector<Index> number(soup.vertices.size(), kNone);
-    for (Triangle face : soup.faces) {
-      if ((soup.vertices[face[0]] - Vector3d(-2, 0, 0.8)).norm() < radius) continue;
-      for (Index& v : face) {
-        if (number[v] == kNone) {
-          number[v] = static_cast<Index>(result.vertices.size());
-          result.vertices.push_back(soup.vertices[v]);
-        }
-        v = number[v];
-      }
-      result.faces.push_back(face);
-    }
-    if (TriangleMesh::fromSoup(result).ok()) return result;
-  }
-}
-
 // The same surface, every face cut in four.
 TriangleSoup cutInFour(const TriangleSoup& soup) {
   TriangleSoup result{soup.vertices, {}};
@@ -78,10 +43,6 @@ TriangleSoup cutInFour(const TriangleSoup& soup) {
     result.faces.insert(result.faces.end(), {{i, a, c}, {a, j, b}, {c, b, k}, {a, b, c}});
   }
   return result;
-}
-
-TriangleMesh chordFree(const TriangleSoup& soup) {
-  return SplitSurface::make(meshOf(soup))->mesh();
 }
 
 // Images of the boundary are on the boundary to the last bit, and nothing else is.

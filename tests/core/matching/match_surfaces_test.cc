@@ -190,17 +190,6 @@ TEST(MatchSurfaces, NamesTopologiesThatDiffer) {
   EXPECT_THAT(hole.status().hint(), testing::HasSubstr("--fill-holes"));
 }
 
-TEST(MatchSurfaces, SaysWhatIsNotAvailable) {
-  const TriangleMesh plate = meshOf(*makeSample("plate", {{"holes", 2}, {"resolution", 3}}));
-  const TriangleMesh disk = meshOf(*makeSample("disk", {{"resolution", 6}}));
-  Context context;
-  MatchOptions exact, soft;
-  exact.landmarks.push_back({});
-  soft.soft_landmarks.push_back({});
-  EXPECT_THAT(matchSurfaces(context, plate, plate, exact), FailsWith(Reason::kUnsupportedTopology));
-  EXPECT_THAT(matchSurfaces(context, disk, disk, soft), FailsWith(Reason::kUnsupportedTopology));
-}
-
 // A plate with three holes, without its mirror symmetry.
 TEST(MatchSurfaces, MapsBoundariesOntoEachOther) {
   TriangleSoup soup = *makeSample("plate", {{"holes", 3}, {"resolution", 4}, {"seed", 2}});

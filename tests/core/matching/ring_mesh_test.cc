@@ -170,6 +170,50 @@ TEST(RingMesh, NeedsAClosedSurfaceWithoutDoubledEdges) {
   EXPECT_THAT(RingMesh::make(pillow), FailsWith(Reason::kUnsupportedTopology));
 }
 
+TEST(RingMesh, BringsVerticesBackInGroupsWithoutEdges) {
+  const TriangleMesh sphere = mesh(sample("sphere", {{"resolution", 6}}));
+  RingMesh rings = ringsOf(sphere.connectivity());
+  const RingMesh whole = rings;
+  for (int round = 0; round < 3; ++round) {
+    for (Index v = 0; v < sphere.vertexCount(); ++v) {
+      if (!rings.isPresent(v)) continue;
+      const std::vector<Index> ring = rings.ring(v);
+      const auto into =
+          std::find_if(ring.begin(), ring.end(), [&](Index w) { return rings.canCollapse(v, w); });
+      if (into != ring.end()) rings.collapse(v, *into);
+    }
+  }
+  const auto gone = static_cast<Index>(rings.collapses().size());
+  ASSERT_GT(gone, sphere.vertexCount() / 2);
+  EXPECT_TRUE(restoreSeparated(rings, 0).empty());
+  EXPECT_EQ(restoreSeparated(rings, 1).size(), 1U);
+  Index back = 1;
+  std::size_t largest = 0;
+  while (!rings.collapses().empty()) {
+    const auto group = restoreSeparated(rings, 7);
+    ASSERT_GE(group.size(), 1U);
+    ASSERT_LE(group.size(), 7U);
+    largest = std::max(largest, group.size());
+    back += static_cast<Index>(group.size());
+    for (const auto& [v, kept] : group) {
+      EXPECT_TRUE(rings.isPresent(v));
+      const std::vector<Index>& ring = rings.ring(v);
+      EXPECT_NE(std::find(ring.begin(), ring.end(), kept), ring.end());
+      for (const auto& other : group) {
+        EXPECT_EQ(std::count(ring.begin(), ring.end(), other.removed), 0);
+      }
+    }
+  }
+  EXPECT_EQ(back, gone);
+  EXPECT_GT(largest, 1U);
+  for (Index v = 0; v < sphere.vertexCount(); ++v) {
+    std::vector<Index> ring = rings.ring(v);
+    std::rotate(ring.begin(), std::find(ring.begin(), ring.end(), whole.ring(v).front()),
+                ring.end());
+    EXPECT_EQ(ring, whole.ring(v));
+  }
+}
+
 TEST(RingMesh, SeparatesVerticesIntoFewSetsWithoutEdges) {
   const TriangleMesh sphere = mesh(sample("sphere", {{"resolution", 6}}));
   RingMesh rings = ringsOf(sphere.connectivity());

@@ -158,7 +158,9 @@ TEST_F(IngestTest, AFastSenderIsSlowedDownWhenNobodyReadsOutcomes) {
     const int sent_now = sent;
     largest_lead = std::max(largest_lead, sent_now - stored());
   }
-  EXPECT_LT(largest_lead, 30) << "items were buffered without bound";
+  // A sender that nothing slows down has sent all of them before the store has the fifth. gRPC's
+  // windows grow with the time that answers take, up to half of all on a machine that is busy.
+  EXPECT_LT(largest_lead, 40) << "items were buffered without bound";
   std::set<int> answered;
   for (Outcome outcome; stream->Read(&outcome);) answered.insert(outcome.index());
   sender.join();
