@@ -1,6 +1,5 @@
 #include "core/matching/coarse_fit.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -16,6 +15,7 @@
 #include "core/matching/spectral_guess.h"
 #include "core/matching/sphere_domain.h"
 #include "core/matching/thinned_surface.h"
+#include "core/mesh/vertex_normals.h"
 
 namespace moduli {
 namespace {
@@ -36,18 +36,6 @@ constexpr std::size_t kPairs = 200;
 
 using Eigen::Vector3d;
 using Positions = std::vector<Vector3d>;
-
-/// Weighted by the areas of faces; 0 where these have none.
-Positions vertexNormals(const Connectivity& surface, const Positions& positions) {
-  Positions normals(positions.size(), Vector3d::Zero());
-  for (const Triangle& face : surface.faces()) {
-    const Vector3d normal =
-        (positions[face[1]] - positions[face[0]]).cross(positions[face[2]] - positions[face[0]]);
-    for (const Index v : face) normals[v] += normal;
-  }
-  for (Vector3d& normal : normals) normal = normal.stableNormalized();
-  return normals;
-}
 
 SettlingOptions settling() {
   SettlingOptions options;
@@ -95,15 +83,15 @@ Result<CoarseFit> CoarseFit::make(Context& context, const TriangleMesh& a, const
   return fit;
 }
 
-Result<ShapeChange> CoarseFit::operator()(Context& context, const std::vector<SurfacePoint>& points,
-                                          bool mobius) const {
+Result<CoarseMap> CoarseFit::operator()(Context& context, const std::vector<SurfacePoint>& points,
+                                        bool mobius) const {
   const TriangleMesh& from = thin_ ? *thin_ : a_;
   std::vector<SurfacePoint> images = chosen(points, vertices_);
   if (!mobius) {
     ASSIGN_OR_RETURN(images, fitted(context, from, images));
-    return changeOf(a_.positions(), images);
+    return mapOf(a_.positions(), images);
   }
-  ShapeChange least;
+  CoarseMap least;
   for (int round = 0; round < kMobiusRounds; ++round) {
     ASSIGN_OR_RETURN(const SpaceMobius map, mobiusNear(from, images));
     Positions whole = a_.positions();
@@ -112,9 +100,9 @@ Result<ShapeChange> CoarseFit::operator()(Context& context, const std::vector<Su
         const TriangleMesh there,
         TriangleMesh::fromSoup({chosen(whole, vertices_), from.connectivity().faces()}));
     ASSIGN_OR_RETURN(images, fitted(context, there, images));
-    const ShapeChange change = changeOf(whole, images);
-    if (round > 0 && !(change.product() < kBetter * least.product())) break;
-    least = change;
+    CoarseMap found = mapOf(whole, images);
+    if (round > 0 && !(found.change.product() < kBetter * least.change.product())) break;
+    least = std::move(found);
   }
   return least;
 }
@@ -132,16 +120,18 @@ Result<SpaceMobius> CoarseFit::mobiusNear(const TriangleMesh& from,
   return Status(Reason::kNoConvergence, "no Möbius map of space is near the points");
 }
 
-ShapeChange CoarseFit::changeOf(const Positions& whole,
-                                const std::vector<SurfacePoint>& images) const {
-  Positions places, normals;
+CoarseMap CoarseFit::mapOf(const Positions& whole, const std::vector<SurfacePoint>& images) const {
+  CoarseMap map;
+  Positions normals;
   for (const SurfacePoint& point : images) {
-    places.push_back(spacePoint(b_.connectivity(), b_.positions(), point));
+    map.places.push_back(spacePoint(b_.connectivity(), b_.positions(), point));
     normals.push_back(spacePoint(b_.connectivity(), normals_b_, point).stableNormalized());
   }
   const TriangleMesh& from = thin_ ? *thin_ : a_;
-  return shapeChange(from.connectivity(), chosen(whole, vertices_),
-                     chosen(vertexNormals(a_.connectivity(), whole), vertices_), places, normals);
+  map.change =
+      shapeChange(from.connectivity(), chosen(whole, vertices_),
+                  chosen(vertexNormals(a_.connectivity(), whole), vertices_), map.places, normals);
+  return map;
 }
 
 Result<std::vector<SurfacePoint>> CoarseFit::fitted(

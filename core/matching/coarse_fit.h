@@ -16,6 +16,12 @@
 /// this room.
 namespace moduli {
 
+/// A map without folds of few vertices.
+struct CoarseMap {
+  ShapeChange change;
+  std::vector<Eigen::Vector3d> places;  ///< On b, of the same vertices of a for all maps.
+};
+
 /// Maps without folds of few vertices, and how much they change the shape.
 ///
 /// Why: of an answer the modes tell places to some hundredths of the surface's width, and its
@@ -36,8 +42,8 @@ class CoarseFit {
   /// kNoConvergence (no such map is near), and as fitHomeomorphism, matchHarmonically and settle
   /// do: then the points tell no map, or none on so few vertices. Several threads may ask at once.
   /// As long as the fit of 1200 vertices; some times that with a Möbius map.
-  Result<ShapeChange> operator()(Context& context, const std::vector<SurfacePoint>& points,
-                                 bool mobius = false) const;
+  Result<CoarseMap> operator()(Context& context, const std::vector<SurfacePoint>& points,
+                               bool mobius = false) const;
 
  private:
   CoarseFit(const TriangleMesh& a, const TriangleMesh& b) : a_(a), b_(b) {}
@@ -52,8 +58,8 @@ class CoarseFit {
 
   Result<SpaceMobius> mobiusNear(const TriangleMesh& from,
                                  const std::vector<SurfacePoint>& images) const;
-  ShapeChange changeOf(const std::vector<Eigen::Vector3d>& whole,
-                       const std::vector<SurfacePoint>& images) const;
+  CoarseMap mapOf(const std::vector<Eigen::Vector3d>& whole,
+                  const std::vector<SurfacePoint>& images) const;
 
   const TriangleMesh& a_;
   const TriangleMesh& b_;

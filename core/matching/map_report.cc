@@ -105,20 +105,50 @@ double areaOf(const Connectivity& surface, const Positions& positions) {
   return area;
 }
 
+/// How a face is bent: in the frame of its first side, in units of the root of the whole area.
+struct BentFace {
+  Eigen::Matrix2d sides;      ///< Columns: from the first corner to the others.
+  Eigen::Matrix2d curvature;  ///< The second fundamental form.
+};
+
+BentFace bentFace(const Positions& positions, const Positions& normals, const Triangle& face,
+                  double unit) {
+  Eigen::Matrix<double, 3, 2> sides, turns, frame;
+  for (int c = 0; c < 2; ++c) {
+    sides.col(c) = (positions[face[c + 1]] - positions[face[0]]) / unit;
+    turns.col(c) = normals[face[c + 1]] - normals[face[0]];
+  }
+  const Eigen::Vector3d along = sides.col(0).stableNormalized(), second = sides.col(1);
+  frame << along, along.cross(second).stableNormalized().cross(along);
+  BentFace bent;
+  bent.sides = frame.transpose() * sides;
+  const Eigen::Matrix2d turning = frame.transpose() * turns * bent.sides.inverse();
+  bent.curvature = (turning + turning.transpose()) / 2;
+  return bent;
+}
+
+/// The root mean square of the eigenvalues of the difference, once a turn has brought the frames
+/// together as the map between the faces does (the one of its polar decomposition).
+double bendingOf(const BentFace& from, const BentFace& to) {
+  const Eigen::Matrix2d map = to.sides * from.sides.inverse();
+  const Eigen::Rotation2Dd turn(std::atan2(map(1, 0) - map(0, 1), map(0, 0) + map(1, 1)));
+  const Eigen::Matrix2d turned =
+      turn.inverse().toRotationMatrix() * to.curvature * turn.toRotationMatrix();
+  return (turned - from.curvature).norm() / std::sqrt(2.0);
+}
+
 double meanBending(const Connectivity& surface, const Positions& positions,
                    const Positions& normals, const Positions& images,
                    const Positions& image_normals) {
   const double unit = std::sqrt(areaOf(surface, positions)),
                image_unit = std::sqrt(areaOf(surface, images));
   LogMean mean(kLeastBending);
-  for (Index e = 0; e < surface.edgeCount(); ++e) {
-    const Index h = surface.halfedge(e), v = surface.tail(h), w = surface.head(h);
-    const Eigen::Vector3d side = positions[w] - positions[v], image = images[w] - images[v];
-    if (!(side.squaredNorm() > 0) || !(image.squaredNorm() > 0)) continue;
-    const double before = unit * (normals[w] - normals[v]).dot(side) / side.squaredNorm();
-    const double after =
-        image_unit * (image_normals[w] - image_normals[v]).dot(image) / image.squaredNorm();
-    mean.add(side.squaredNorm(), std::abs(after - before));
+  for (const Triangle& face : surface.faces()) {
+    const double area = faceArea(positions, face);
+    if (!(area > 0) || !(faceArea(images, face) > 0)) continue;
+    const double bending = bendingOf(bentFace(positions, normals, face, unit),
+                                     bentFace(images, image_normals, face, image_unit));
+    if (std::isfinite(bending)) mean.add(area, bending);
   }
   return mean.value();
 }

@@ -45,8 +45,9 @@ struct ShapeChange {
   /// the middle one of all faces; each cut off as isometricDistortion does. A face has 1e-3 at
   /// least: so have similarities. No unit.
   double stretching = 0;
-  /// Mean over edges, by their squared lengths: of the change of the normal curvature along the
-  /// edge, times the root of the area, of either surface. An edge has 1e-2 at least. No unit.
+  /// Mean over the area: of the root mean square of the eigenvalues of the change of the second
+  /// fundamental form, as the normals at the corners of a face tell it, times the root of the
+  /// area, of either surface. A face has 1e-2 at least. No unit.
   double bending = 0;
 
   /// Both have floors of their own, which the meshes' roughness sets: their product compares
@@ -55,7 +56,7 @@ struct ShapeChange {
 };
 
 /// positions, images: per vertex, as measureSpaceMap has them; normals, image_normals: of length 1,
-/// of the surfaces there. Faces and edges without extent are left out. O(F log F).
+/// of the surfaces there. Faces without area are left out. O(F log F).
 ShapeChange shapeChange(const Connectivity& surface, const std::vector<Eigen::Vector3d>& positions,
                         const std::vector<Eigen::Vector3d>& normals,
                         const std::vector<Eigen::Vector3d>& images,

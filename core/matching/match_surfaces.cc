@@ -152,10 +152,16 @@ class Matching {
       const Eigen::Vector3d place = spacePoint(b_.connectivity(), b_.positions(), point);
       moves.push_back((place - targets[i]).norm() / std::sqrt(b_.area()));
     }
-    // Farther away from where the modes are than these err, shapes have slid: round ones do.
+    // Farther away from where the modes are than these err, one of both is wrong: round shapes
+    // slide along themselves, and nearly round ones have modes that are easily taken for each
+    // other.
     const auto middle = moves.begin() + static_cast<std::ptrdiff_t>(moves.size() / 2);
     std::nth_element(moves.begin(), middle, moves.end());
-    if (!(*middle < guess.match.defect)) return {};
+    if (!(*middle < guess.match.defect)) {
+      ASSIGN_OR_RETURN(const bool is_better, changesLess(context_, pair, shape->points,
+                                                         guess.points, options_.initial_delaunay));
+      if (!is_better) return {};
+    }
     for (std::size_t i = 0; i < guess.points.size(); ++i) {
       if (shape->gaps[i] <= kNearShape) guess.points[i] = shape->points[i];
     }

@@ -12,6 +12,7 @@
 #include "core/intrinsic/mollify.h"
 #include "core/matching/map_report.h"
 #include "core/matching/nearest_in_triangle.h"
+#include "core/mesh/vertex_normals.h"
 
 namespace moduli {
 namespace {
@@ -37,16 +38,12 @@ Places placesOf(const TriangleMesh& mesh) {
   return places;
 }
 
-/// Unit vectors; zero where faces cancel.
 Places normalsOf(const Connectivity& surface, const Places& places) {
-  Places normals = Places::Zero(3, places.cols());
-  for (const Triangle& face : surface.faces()) {
-    const Vector3d p = places.col(face[0]), q = places.col(face[1]), r = places.col(face[2]);
-    const Vector3d normal = (q - p).cross(r - p);
-    for (const Index v : face) normals.col(v) += normal;
-  }
-  for (Eigen::Index v = 0; v < normals.cols(); ++v) normals.col(v).stableNormalize();
-  return normals;
+  const auto columns = places.colwise();
+  const std::vector<Vector3d> normals = vertexNormals(surface, {columns.begin(), columns.end()});
+  Places result(3, places.cols());
+  for (Eigen::Index v = 0; v < result.cols(); ++v) result.col(v) = normals[v];
+  return result;
 }
 
 double quantile(std::vector<double> values, double share) {

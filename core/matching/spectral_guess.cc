@@ -34,9 +34,15 @@ constexpr double kClearlyFarther = 2;
 /// Places that modes tell are so uneven, over the root of the area: boundaries that are nearer than
 /// this are met.
 constexpr double kUneven = 0.02;
-/// Of the rest, those are left out that change the shape more than another one of less than this
-/// part: one map found twice settles to changes that differ by some percent.
+/// Answers whose coarse maps are this near to each other, in the mean over the root of the area,
+/// are one: coarse maps err by one or two hundredths.
+constexpr double kOneMap = 0.05;
+/// One map found twice settles to changes that differ by some percent: of it, those answers are
+/// left out that change the shape more than another one of less than this part.
 constexpr double kClearlyLess = 0.95;
+/// Changes by different maps are equal that differ by less than this part: so do copies of an
+/// exactly symmetric body, by the rounding of its places.
+constexpr double kEqually = 0.999;
 /// Twice that of similarities (ShapeChange): less is no change.
 constexpr double kNoChange = 2e-5;
 
@@ -138,6 +144,14 @@ double meanSquareGap(const std::vector<Eigen::Vector3d>& points,
   return sum / static_cast<double>(points.size());
 }
 
+/// The mean distance of points from those of the same numbers.
+double meanGap(const std::vector<Eigen::Vector3d>& points,
+               const std::vector<Eigen::Vector3d>& others) {
+  double sum = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) sum += (points[i] - others[i]).norm();
+  return sum / static_cast<double>(points.size());
+}
+
 class Guessing {
  public:
   Guessing(Context& context, const MatchPair& pair, const MatchOptions& options)
@@ -230,8 +244,8 @@ class Guessing {
     return {};
   }
 
-  /// Puts the match first, of those that are alike, that is the best by its modes of those that no
-  /// other changes the shape clearly less than. Of closed surfaces.
+  /// Puts the match first, of those that are alike, that changes the shape least; of several that
+  /// lead to the same map, the best by its modes. Of closed surfaces.
   Status preferByShape(Answers& answers) {
     std::vector<SpectralMatch>& matches = answers.matches;
     if (answers.alike < 2 || !isClosed(pair_.a)) return {};
@@ -242,41 +256,55 @@ class Guessing {
         CoarseFit::make(context_, back ? b : a, back ? a : b, initial_delaunay_);
     RETURN_IF_ERROR(context_.check());
     if (!fit.ok()) return {};
-    std::vector<double> changes(answers.alike);
-    parallelBlocks(changes.size(), 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::optional<CoarseMap>> maps(answers.alike);
+    parallelBlocks(maps.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t n = begin; n < end; ++n) {
         Context own = context_;
         own.setProgressSink({});
-        changes[n] = changeOf(own, answers, n, *fit, back);
+        maps[n] = coarseMapOf(own, answers, n, *fit, back);
       }
     });
     RETURN_IF_ERROR(context_.check());
     // Where the best by its modes has no coarse map, its shape is not known.
-    if (!std::isfinite(changes.front())) return {};
-    const double least = *std::min_element(changes.begin(), changes.end());
-    const auto best = std::find_if(changes.begin(), changes.end(),
-                                   [&](double change) { return kClearlyLess * change <= least; }) -
-                      changes.begin();
-    std::rotate(matches.begin(), matches.begin() + best, matches.begin() + best + 1);
+    if (!maps.front()) return {};
+    const std::size_t best = leastChange(maps, std::sqrt((back ? a : b).area()));
+    const auto first = matches.begin(), chosen = first + static_cast<std::ptrdiff_t>(best);
+    std::rotate(first, chosen, chosen + 1);
     return {};
   }
 
-  /// Infinite where there is no coarse map. back: of the map from b to a. To the finer mesh,
-  /// vertices go onto the surface, not onto chords of it.
-  double changeOf(Context& context, const Answers& answers, std::size_t n, const CoarseFit& fit,
-                  bool back) const {
-    constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  /// The number of the map that changes the shape least, or of the first of those that do not
+  /// change it more: by rounding alone or, where they are the same map, by what that settles to.
+  static std::size_t leastChange(const std::vector<std::optional<CoarseMap>>& maps, double unit) {
+    const auto changeOf = [](const std::optional<CoarseMap>& map) {
+      return map ? std::max(map->change.product(), kNoChange)
+                 : std::numeric_limits<double>::infinity();
+    };
+    const auto least =
+        std::min_element(maps.begin(), maps.end(),
+                         [&](const auto& x, const auto& y) { return changeOf(x) < changeOf(y); });
+    const auto best = std::find_if(maps.begin(), maps.end(), [&](const auto& map) {
+      if (!map) return false;
+      const bool is_same = meanGap(map->places, (*least)->places) < kOneMap * unit;
+      return (is_same ? kClearlyLess : kEqually) * changeOf(map) <= changeOf(*least);
+    });
+    return static_cast<std::size_t>(best - maps.begin());
+  }
+
+  /// Nothing where there is none. back: of the map from b to a. To the finer mesh, vertices go onto
+  /// the surface, not onto chords of it.
+  std::optional<CoarseMap> coarseMapOf(Context& context, const Answers& answers, std::size_t n,
+                                       const CoarseFit& fit, bool back) const {
     const auto& [a, b] = answers.surfaces;
     const Result<SpectralMatch> match = withAllModes(context, a, b, answers.matches[n]);
-    if (!match.ok()) return kUnknown;
+    if (!match.ok()) return {};
     const SpectralSurface &x = back ? b : a, &y = back ? a : b;
     Eigen::MatrixXd functional = match->functional;
     if (back) functional.transposeInPlace();  // Nearly its inverse.
     const auto points = correspondingPoints(context, x, y, functional);
-    if (!points.ok()) return kUnknown;
-    const bool mobius = answers.method == MatchMethod::kMobius;
-    const Result<ShapeChange> change = fit(context, *points, mobius);
-    return change.ok() ? std::max(change->product(), kNoChange) : kUnknown;
+    if (!points.ok()) return {};
+    Result<CoarseMap> map = fit(context, *points, answers.method == MatchMethod::kMobius);
+    return map.ok() ? std::optional(*std::move(map)) : std::nullopt;
   }
 
   /// The root mean square distance of landmarks from where the nearest vertices go.
@@ -400,6 +428,18 @@ Result<MatchPair> makeMatchPair(Context& context, const TriangleMesh& a, const T
 Result<SpectralAnswer> guessSpectrally(Context& context, const MatchPair& pair,
                                        const MatchOptions& options) {
   return Guessing(context, pair, options).run();
+}
+
+Result<bool> changesLess(Context& context, const MatchPair& pair,
+                         const std::vector<SurfacePoint>& points,
+                         const std::vector<SurfacePoint>& others, bool initial_delaunay) {
+  const Context::Stage stage(context, "compare");
+  const Result<CoarseFit> fit = CoarseFit::make(context, pair.coarseA(), pair.b, initial_delaunay);
+  RETURN_IF_ERROR(context.check());
+  if (!fit.ok()) return false;
+  const Result<CoarseMap> map = (*fit)(context, points), other = (*fit)(context, others);
+  RETURN_IF_ERROR(context.check());
+  return map.ok() && (!other.ok() || map->change.product() < other->change.product());
 }
 
 Result<SpectralGuess> guessFromPlaces(Context& context, const MatchPair& pair,

@@ -59,6 +59,13 @@ struct SpectralAnswer {
 Result<SpectralAnswer> guessSpectrally(Context& context, const MatchPair& pair,
                                        const MatchOptions& options);
 
+/// Whether points of b, one per vertex of coarseA, lead to a map that changes the shape less than
+/// those that others lead to (CoarseFit). False where they lead to none. Of closed surfaces. Fails
+/// with kCancelled and kDeadlineExceeded. As long as two fits of 1200 vertices. Stage: "compare".
+Result<bool> changesLess(Context& context, const MatchPair& pair,
+                         const std::vector<SurfacePoint>& points,
+                         const std::vector<SurfacePoint>& others, bool initial_delaunay);
+
 /// Another guess for surfaces that lie on each other in space, but for errors that modes even out:
 /// from where they are nearest, by their own metrics. pair: a where a map of space takes it. Fails
 /// as makeSpectralSurface does.

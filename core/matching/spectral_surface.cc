@@ -1,6 +1,5 @@
 #include "core/matching/spectral_surface.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +10,7 @@
 #include "core/intrinsic/mollify.h"
 #include "core/linalg/generalized_eigen.h"
 #include "core/matching/feature_points.h"
+#include "core/mesh/vertex_normals.h"
 #include "core/signature/mean_curvature.h"
 
 namespace moduli {
@@ -22,18 +22,6 @@ constexpr double kShift = 12.5;
 // Of a band's width in log value, of the distance between bands (Aubry, Schlickewei, Cremers).
 constexpr double kBandWidth = 7;
 constexpr double kEnergyFloor = 0.01;
-
-std::vector<Eigen::Vector3d> vertexNormals(const TriangleMesh& mesh) {
-  const auto& positions = mesh.positions();
-  std::vector<Eigen::Vector3d> normals(positions.size(), Eigen::Vector3d::Zero());
-  for (const Triangle& face : mesh.connectivity().faces()) {
-    const Eigen::Vector3d normal =
-        (positions[face[1]] - positions[face[0]]).cross(positions[face[2]] - positions[face[0]]);
-    for (const Index v : face) normals[v] += normal;
-  }
-  for (Eigen::Vector3d& normal : normals) normal = normal.stableNormalized();
-  return normals;
-}
 
 /// Spheres and planes have no energy of their own.
 void floorEnergies(std::vector<double>& energies) {
@@ -143,7 +131,7 @@ Result<SpectralSurface> makeSpectralSurface(Context& context, const TriangleMesh
   return SpectralSurface{mesh,
                          std::move(lengths),
                          std::move(areas),
-                         vertexNormals(mesh),
+                         vertexNormals(surface, mesh.positions()),
                          values,
                          std::move(pairs.vectors),
                          std::move(waves),

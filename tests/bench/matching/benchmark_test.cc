@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/matching/map_report.h"
 #include "core/mesh/samples.h"
 #include "core/topology/surface_topology.h"
 #include "tests/bench/matching/errors.h"
@@ -104,6 +105,20 @@ TEST(MatchErrors, AreLengthsWithinTheSurface) {
     EXPECT_LE(errors[i], 1.16 * angles[i] + edge);
     EXPECT_GE(errors[i], 0.99 * angles[i] - edge);
   }
+}
+
+// Of a thin sheet, vertices of the other side are nearer to points within faces than their corners.
+TEST(MatchErrors, StayOnTheirSideOfThinParts) {
+  TriangleSoup sheet = *makeSample("sphere", {{"resolution", 12}, {"seed", 2}});
+  for (Eigen::Vector3d& p : sheet.vertices) p.z() *= 0.01;
+  const TriangleMesh mesh = *TriangleMesh::fromSoup(sheet);
+  KnownPair pair{"sheet", "copy", mesh, mesh, {}};
+  std::vector<SurfacePoint> images;
+  for (Index f = 0; f < mesh.faceCount(); ++f) {
+    images.push_back({f, {1.0 / 3, 1.0 / 3, 1.0 / 3}});
+    pair.truth.push_back(spacePoint(mesh.connectivity(), mesh.positions(), images.back()));
+  }
+  EXPECT_LE(matchErrors(pair, images).back(), 1e-12);
 }
 
 TEST(PairScores, AreGoodForAGoodMatchAndTellFailures) {

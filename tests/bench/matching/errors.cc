@@ -29,15 +29,16 @@ class Ways {
         std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
   }
 
-  /// From the vertex nearest to a point in space to the nearest corner of a face; nothing where
-  /// that is no longer than the edges on the way could be off.
-  std::optional<double> from(const Eigen::Vector3d& point, Index face) const {
-    const auto nearer = [&](const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
-      return (p - point).squaredNorm() < (q - point).squaredNorm();
-    };
+  /// From the corner of its face that is nearest to a point in space to the nearest corner of
+  /// another face; nothing where that is no longer than the edges on the way could be off. (The
+  /// nearest vertex of all may be behind a thin part.)
+  std::optional<double> from(const Eigen::Vector3d& point, Index own, Index face) const {
     const auto& positions = b_.positions();
-    const auto start = static_cast<Index>(
-        std::min_element(positions.begin(), positions.end(), nearer) - positions.begin());
+    const Triangle& around = b_.connectivity().face(own);
+    const Index start =
+        *std::min_element(around.begin(), around.end(), [&](const Index v, const Index w) {
+          return (positions[v] - point).squaredNorm() < (positions[w] - point).squaredNorm();
+        });
     const Triangle& corners = b_.connectivity().face(face);
     const double unsure = std::max(kShortWay * mean_, longestAt(start) + longestAt(corners[0]));
     for (double radius = 0.05 * whole_;; radius *= 2) {
@@ -76,9 +77,10 @@ class Surface {
     }
   }
 
-  Eigen::Vector3d nearest(const Eigen::Vector3d& point) const {
+  /// With its face.
+  std::pair<Eigen::Vector3d, Index> nearest(const Eigen::Vector3d& point) const {
     const auto& p = mesh_.positions();
-    Eigen::Vector3d result = point;
+    std::pair<Eigen::Vector3d, Index> result(point, 0);
     double least = std::numeric_limits<double>::infinity();
     for (Index f = 0; f < mesh_.faceCount(); ++f) {
       const auto& [centre, radius] = balls_[f];
@@ -89,7 +91,7 @@ class Surface {
       const Eigen::Vector3d place = weights[0] * p[i] + weights[1] * p[j] + weights[2] * p[k];
       if ((place - point).norm() >= least) continue;
       least = (place - point).norm();
-      result = place;
+      result = {place, f};
     }
     return result;
   }
@@ -157,9 +159,9 @@ std::vector<double> matchErrors(const KnownPair& pair, const std::vector<Surface
   std::vector<double> errors;
   for (std::size_t v = 0; v < pair.truth.size(); v += stride) {
     const Eigen::Vector3d place = spacePoint(pair.b.connectivity(), pair.b.positions(), images[v]);
-    const Eigen::Vector3d truth = surface.nearest(pair.truth[v]);
+    const auto [truth, own] = surface.nearest(pair.truth[v]);
     const double straight = (place - truth).norm();
-    const auto way = ways.from(truth, images[v].face);
+    const auto way = ways.from(truth, own, images[v].face);
     errors.push_back((way ? std::max(straight, *way) : straight) / whole);
   }
   std::sort(errors.begin(), errors.end());

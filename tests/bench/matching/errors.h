@@ -17,13 +17,12 @@ namespace moduli {
 /// a.
 ///
 /// A distance is the larger one of the straight line and of the shortest way along edges of b from
-/// the vertex nearest to the truth to the triangle of the point; where that way is no longer than
-/// four edges (of b's mean length), or the longest edges at both ends, the straight line: so near,
-/// a surface is nearly flat. It is never below the straight one, and longer ways are off the
-/// distance within the surface by at most the edges there and the some percent that ways along
-/// edges are too long. images: per vertex of a; one vertex of a in so many is asked that there are
-/// about `samples`. O(samples V log V) at
-/// worst.
+/// the nearest corner of the triangle of the truth to the triangle of the point; where that way is
+/// no longer than four edges (of b's mean length), or the longest edges at both ends, the straight
+/// line: so near, a surface is nearly flat. It is never below the straight one, and longer ways are
+/// off the distance within the surface by at most the edges there and the some percent that ways
+/// along edges are too long. images: per vertex of a; one vertex of a in so many is asked that
+/// there are about `samples`. O(samples V log V) at worst.
 std::vector<double> matchErrors(const KnownPair& pair, const std::vector<SurfacePoint>& images,
                                 std::size_t samples = 1500);
 

@@ -48,9 +48,9 @@ std::vector<ShapeChange> changes(const NearlySymmetric& body, double height, dou
   std::vector<ShapeChange> found;
   for (const Vector3d& turn : kTurns) {
     const auto points = turned(body.base(fine, 1), body.base(fine + 2, 2), b.connectivity(), turn);
-    const auto change = (*fit)(context, points, back.has_value());
-    EXPECT_OK(change);
-    if (change.ok()) found.push_back(*change);
+    const auto map = (*fit)(context, points, back.has_value());
+    EXPECT_OK(map);
+    if (map.ok()) found.push_back(map->change);
   }
   return found;
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "core/spherical/map_quality.h"
@@ -82,6 +83,55 @@ TEST(ShapeChange, BendingIsTheChangeOfCurvatures) {
   EXPECT_NEAR(change.stretching, 1e-3, 1e-15);
   const TriangleMesh mesh = *TriangleMesh::fromSoup({map.points, map.surface().faces()});
   EXPECT_NEAR(change.bending, 2 * std::sqrt(mesh.area()), 1e-12);
+}
+
+// Its values are eigenvalues: a curvature k along one direction counts k / sqrt(2), one of k and -k
+// counts k, whether the edges lie along these directions or between them, and wherever the images
+// look. Here normals tell it, of a plane that stays flat.
+TEST(ShapeChange, BendingDoesNotDependOnDirections) {
+  const TriangleMesh disk = surfaces::mesh(surfaces::sample("disk", {{"resolution", 6}}));
+  const std::vector<Eigen::Vector3d> up(disk.vertexCount(), Eigen::Vector3d::UnitZ());
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
+  constexpr double kCurvature = 0.3;
+  const double unit = std::sqrt(disk.area());
+  for (const double angle : {0.0, 0.4, 0.8}) {
+    const Eigen::Vector2d along(std::cos(angle), std::sin(angle)), across(-along[1], along[0]);
+    const auto bending = [&](double first, double second) {
+      const Eigen::Matrix2d form =
+          first * along * along.transpose() + second * across * across.transpose();
+      std::vector<Eigen::Vector3d> images, normals;
+      for (const Eigen::Vector3d& p : disk.positions()) {
+        Eigen::Vector3d normal(0, 0, 1);
+        normal.head<2>() += form * p.head<2>();
+        images.emplace_back(turn * p);
+        normals.emplace_back(turn * normal);
+      }
+      return shapeChange(disk.connectivity(), disk.positions(), up, images, normals).bending;
+    };
+    EXPECT_NEAR(bending(kCurvature, 0), unit * kCurvature / std::sqrt(2.0), 1e-12) << angle;
+    EXPECT_NEAR(bending(kCurvature, -kCurvature), unit * kCurvature, 1e-12) << angle;
+  }
+}
+
+// A stretch turns the sides of faces, but not what they are bent by.
+TEST(ShapeChange, StretchingAloneIsNoBending) {
+  const TriangleMesh disk = surfaces::mesh(surfaces::sample("disk", {{"resolution", 6}}));
+  const Eigen::Vector2d along(std::cos(0.4), std::sin(0.4));
+  const Eigen::Matrix2d form = 0.3 * along * along.transpose(),
+                        stretch = Eigen::Vector2d(1.2, 1 / 1.2).asDiagonal();
+  std::vector<Eigen::Vector3d> images, before, after;
+  for (const Eigen::Vector3d& p : disk.positions()) {
+    const Eigen::Vector2d image = stretch * p.head<2>();
+    const Eigen::Vector2d turned = form * p.head<2>(), image_turned = form * image;
+    images.emplace_back(image[0], image[1], 0);
+    before.emplace_back(turned[0], turned[1], 1);
+    after.emplace_back(image_turned[0], image_turned[1], 1);
+  }
+  const ShapeChange change =
+      shapeChange(disk.connectivity(), disk.positions(), before, images, after);
+  EXPECT_NEAR(change.stretching, std::log(1.2), 1e-13);
+  EXPECT_NEAR(change.bending, 1e-2, 1e-12);  // Its floor.
 }
 
 // A tenth of the surface, however torn, multiplies a geometric mean by little.
