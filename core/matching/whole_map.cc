@@ -11,7 +11,7 @@ namespace moduli {
 namespace {
 
 /// Over all vertices: at every level, and at the last one, where more is new.
-constexpr int kSweeps = 1, kLastSweeps = 4;
+constexpr int kSweeps = 1, kLastSweeps = 3;
 constexpr double kTolerance = 2e-3;
 
 /// Puts all vertices back in levels of equal ratios, of about twice as many vertices each, and

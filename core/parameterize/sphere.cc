@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/intrinsic/mollify.h"
+#include "core/matching/conformal_sphere.h"
 #include "core/parameterize/genus_zero.h"
 #include "core/parameterize/ideal_certificate.h"
 #include "core/parameterize/refine.h"
@@ -43,12 +44,35 @@ class SphereMapping {
       case MapMethod::kAuto:
         break;
     }
-    const Status status = robust();
-    if (status.reason() != Reason::kNoConvergence) return status;
-    // Clusters of needles; harmonic maps have no trouble with them.
+    Status status = robust();
+    if (status.reason() == Reason::kNoConvergence) {
+      // Clusters of needles; harmonic maps have no trouble with them.
+      result_ = Parameterization();
+      const Status other = linear();
+      if (other.reason() != Reason::kFoldedMap) return other;
+    }
+    if (status.ok() || !options_.refine || positions_.empty()) return status;
+    if (status.reason() != Reason::kFoldedMap && status.reason() != Reason::kNoConvergence) {
+      return status;
+    }
+    const Status other = unfolded();
+    RETURN_IF_ERROR(context_.check());
+    return other.ok() ? other : status;
+  }
+
+  /// Limbs that are longer than doubles reach are distorted instead of folded, and the certificate
+  /// tells how much.
+  Status unfolded() {
     result_ = Parameterization();
-    const Status other = linear();
-    return other.reason() == Reason::kFoldedMap ? status : other;
+    result_.method = MapMethod::kRobust;
+    ASSIGN_OR_RETURN(const TriangleMesh mesh,
+                     TriangleMesh::fromSoup({positions_, surface_.faces()}));
+    ASSIGN_OR_RETURN(ConformalSphere sphere,
+                     conformalSphere(context_, mesh, options_.initial_delaunay));
+    result_.certificate.warnings.emplace_back(
+        "UNFOLDED: as doubles have it the conformal map turns faces over; there it was laid out "
+        "anew, less conformally");
+    return finish(std::move(sphere.points), surface_, lengths_);
   }
 
   Status linear() {

@@ -14,6 +14,7 @@
 #include "core/parameterize/sphere.h"
 #include "core/spherical/rectangle_map.h"
 #include "core/topology/surface_topology.h"
+#include "tests/core/matching/ball_with_limbs.h"
 #include "tests/core/spherical/surfaces.h"
 
 namespace moduli {
@@ -354,6 +355,22 @@ TEST(CarlsonRf, HasItsPublishedValues) {
   EXPECT_NEAR(std::abs(carlsonRf(Complex(-1, 1), Complex(0, 1), 0) -
                        Complex(0.79612586584234, -1.2138566698365)),
               0, 1e-12);
+}
+
+TEST(GenusZero, LimbsThatDoublesCannotTellApartAreLaidOutWithoutFolds) {
+  Context context;
+  // Twenty times as long as thick: conformal scales of e^-63 at their ends.
+  const TriangleMesh mesh = ballWithLimbs(6, 20);
+  SphereOptions strict;
+  strict.method = MapMethod::kRobust;
+  const auto folded = parameterizeSphere(context, mesh.connectivity(), mesh.edgeLengths(),
+                                         mesh.positions(), strict);
+  EXPECT_EQ(folded.status().reason(), Reason::kFoldedMap);
+  const auto map =
+      parameterizeSphere(context, mesh.connectivity(), mesh.edgeLengths(), mesh.positions(), {});
+  ASSERT_OK(map);
+  EXPECT_EQ(map->certificate.quality.flipped_faces, 0);
+  EXPECT_THAT(map->certificate.warnings, testing::ElementsAre(testing::HasSubstr("UNFOLDED")));
 }
 
 }  // namespace
