@@ -25,10 +25,12 @@ struct SphereOptions {
 /// rotation.
 ///
 /// lengths: per edge, positive up to rounding (mollified if need be). positions: per vertex, or
-/// empty where there are none; a good start, no more. Fails with kUnsupportedTopology (another
-/// surface; the message says what it is and which map it has), kFoldedMap naming the number of
-/// faces (the linear and the flowing map; the robust one with `refine` off), and as the solvers do.
-/// Robust: some 5 factorizations, about 6 F; linear: about 3 F. Source: MATH 2.
+/// empty where there are none; a good start, and with kAuto more: where limbs are longer than
+/// doubles reach, so that cutting faces is no help, parts of the surface in space are laid out
+/// without folds, less conformally, with a warning UNFOLDED. Fails with kUnsupportedTopology
+/// (another surface; the message says what it is and which map it has), kFoldedMap naming the
+/// number of faces (the linear and the flowing map; the robust one with `refine` off), and as the
+/// solvers do. Robust: some 5 factorizations, about 6 F; linear: about 3 F. Source: MATH 2.
 Result<Parameterization> parameterizeSphere(Context& context, const Connectivity& surface,
                                             const std::vector<double>& lengths,
                                             const std::vector<Eigen::Vector3d>& positions,
