@@ -197,7 +197,8 @@ class Guessing {
         SpectralPair pair,
         spectralPair(context_, pair_, mobius ? MatchMetric::kMobius : MatchMetric::kOwn));
     Answers answers{method, std::move(pair)};
-    RETURN_IF_ERROR(find(answers, SpectralMatchOptions().finalists));
+    RETURN_IF_ERROR(
+        find(answers, landmarks_.empty() ? SpectralMatchOptions().finalists : kManyFinalists));
     return answers;
   }
 
@@ -205,13 +206,17 @@ class Guessing {
   Status find(Answers& answers, std::size_t finalists) {
     SpectralMatchOptions options;
     options.finalists = finalists;
+    if (!landmarks_.empty()) options.enough = kGoodDefect;
     const auto& [x, y] = answers.surfaces;
     ASSIGN_OR_RETURN(answers.matches, matchSpectra(context_, x, y, options));
     const std::vector<SpectralMatch>& found = answers.matches;
     answers.alike = 0;
-    while (answers.alike < std::min(found.size(), kMostTried) &&
-           (answers.alike == 0 ||
-            found[answers.alike].defect < kNearlyAsGood * found.front().defect)) {
+    // Landmarks may mean any near isometry that a symmetric surface has.
+    const std::size_t most = landmarks_.empty() ? kMostTried : kManyFinalists;
+    const double least = found.empty() ? 0 : kNearlyAsGood * found.front().defect;
+    const double enough = landmarks_.empty() ? least : std::max(least, kGoodDefect);
+    while (answers.alike < std::min(found.size(), most) &&
+           (answers.alike == 0 || found[answers.alike].defect < enough)) {
       ++answers.alike;
     }
     if (!isClosed(pair_.a)) {

@@ -191,9 +191,9 @@ class Aligner {
       std::stable_sort(maps.begin(), maps.end(), better);
       if (k == middle_) break;
       if (2 * k >= middle_) {
-        std::erase_if(maps, [least = maps.empty() ? 0 : maps.front().defect](const Candidate& c) {
-          return c.defect > kHopeless * least;
-        });
+        const double least = maps.empty() ? 0 : maps.front().defect;
+        const double most = std::max(kHopeless * least, options_.enough);
+        std::erase_if(maps, [most](const Candidate& c) { return c.defect > most; });
       }
     }
     std::vector<SpectralMatch> matches;

@@ -14,6 +14,7 @@ struct SpectralMatchOptions {
   bool mirror = false;         ///< Maps that turn orientation over instead of those that keep it.
   std::size_t triplets = 100;  ///< Of features, that maps are started from.
   std::size_t finalists = 8;   ///< Different maps that are refined to the end.
+  double enough = 0;  ///< Maps of less defect are kept, however much better the best one is.
 };
 
 /// A map between surfaces that bending leaves nearly as it was.
