@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "core/matching/flow_kernel.h"
@@ -44,31 +43,65 @@ class HemisphereMotion {
   Result<HemisphereFlow> run() {
     const Context::Stage stage(context_, "landmarks");
     findTravels();
-    HemisphereFlow result;
-    double share = 1;
-    int halvings = 0, steps = 0;
-    while (!met()) {
-      RETURN_IF_ERROR(context_.check());
-      if (++steps > kMostFlowSteps || halvings > kMostFlowHalvings) {
-        result.met = false;
-        if (nearest_ == marks_.size()) break;
-        rests_[nearest_] = true;
-        nearest_ = marks_.size();
-        share = 1;
-        halvings = steps = 0;
-        continue;
-      }
-      ++result.steps;
-      if (step(share)) {
-        share = std::min(1.0, 2 * share);
-        halvings = std::max(0, halvings - 1);
-      } else {
-        share /= 2;
-        ++halvings;
+    ASSIGN_OR_RETURN(const FlowCourse course, runFlow(context_, *this, true));
+    return HemisphereFlow{std::move(points_), course.met, course.steps};
+  }
+
+  bool met() const {
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      if (wayLeft(i).norm() > kFlowMet * edgeAt(i)) return false;
+    }
+    return true;
+  }
+
+  bool stayBehind() {
+    if (nearest_ == marks_.size()) return false;
+    rests_[nearest_] = true;
+    nearest_ = marks_.size();
+    return true;
+  }
+
+  bool step(double share) {
+    std::vector<Source> sources;
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      const Vector3d place = placeOf(i);
+      sources.push_back({place, reachOf(i), basisAt(i, place)});
+      const double left = wayLeft(i).norm();
+      if (share * left > kFlowStep * sources.back().reach) {
+        share = kFlowStep * sources.back().reach / left;
       }
     }
-    result.points = std::move(points_);
-    return result;
+    const Eigen::VectorXd vectors = strengths(sources, share);
+    Points3 points = points_;
+    for (Index v = 0; v < pole(); ++v) {
+      Vector3d turn = Vector3d::Zero();
+      Eigen::Index row = 0;
+      for (const Source& source : sources) {
+        turn += source.at(points_[v]) * vectors.segment(row, source.basis.cols());
+        row += source.basis.cols();
+      }
+      const double angle = turn.norm();
+      if (!(angle > 0)) continue;
+      points[v] = (Eigen::AngleAxisd(angle, turn / angle) * points_[v]).normalized();
+      if (points_[v][2] == 0) {
+        points[v][2] = 0;
+        points[v].normalize();
+      }
+    }
+    bool folds = false;
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [a, b, c] : surface_.faces()) {
+      if (spherical::orientationSign(points[a], points[b], points[c]) > 0) continue;
+      for (std::size_t i = 0; i < sources.size(); ++i) {
+        const double away = (points_[a] - sources[i].place).norm() / sources[i].reach;
+        if (rests_[i] || !(away < std::min(least, 1.0))) continue;
+        least = away;
+        nearest_ = i;
+      }
+      folds = true;
+    }
+    if (!folds) points_ = std::move(points);
+    return !folds;
   }
 
  private:
@@ -111,30 +144,16 @@ class HemisphereMotion {
     return std::max(kFlowReach * travel_[i], kFlowEdges * edgeAt(i));
   }
 
-  bool met() const {
-    for (std::size_t i = 0; i < marks_.size(); ++i) {
-      if (wayLeft(i).norm() > kFlowMet * edgeAt(i)) return false;
-    }
-    return true;
-  }
-
-  /// As flowToLandmarks does.
   void findTravels() {
     for (std::size_t i = 0; i < marks_.size(); ++i) travel_.push_back(wayLeft(i).norm());
-    std::vector<std::size_t> rest(marks_.size());
-    std::iota(rest.begin(), rest.end(), 0);
-    while (!rest.empty()) {
-      const auto next =
-          std::max_element(rest.begin(), rest.end(),
-                           [&](std::size_t i, std::size_t j) { return travel_[i] < travel_[j]; });
-      const std::size_t i = *next;
-      rest.erase(next);
+    spreadTravels(travel_, [this](std::size_t i) {
       const Vector3d place = placeOf(i);
-      for (const std::size_t j : rest) {
-        const double away = spherical::angleBetween(place, placeOf(j));
-        travel_[j] = std::max(travel_[j], flowKernel(away / reachOf(i)) * travel_[i]);
+      std::vector<double> shares;
+      for (std::size_t j = 0; j < marks_.size(); ++j) {
+        shares.push_back(flowKernel(spherical::angleBetween(place, placeOf(j)) / reachOf(i)));
       }
-    }
+      return shares;
+    });
   }
 
   /// A mark and what it moves.
@@ -187,49 +206,6 @@ class HemisphereMotion {
       row += basis.cols();
     }
     return Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(system).solve(wanted);
-  }
-
-  bool step(double share) {
-    std::vector<Source> sources;
-    for (std::size_t i = 0; i < marks_.size(); ++i) {
-      const Vector3d place = placeOf(i);
-      sources.push_back({place, reachOf(i), basisAt(i, place)});
-      const double left = wayLeft(i).norm();
-      if (share * left > kFlowStep * sources.back().reach) {
-        share = kFlowStep * sources.back().reach / left;
-      }
-    }
-    const Eigen::VectorXd vectors = strengths(sources, share);
-    Points3 points = points_;
-    for (Index v = 0; v < pole(); ++v) {
-      Vector3d turn = Vector3d::Zero();
-      Eigen::Index row = 0;
-      for (const Source& source : sources) {
-        turn += source.at(points_[v]) * vectors.segment(row, source.basis.cols());
-        row += source.basis.cols();
-      }
-      const double angle = turn.norm();
-      if (!(angle > 0)) continue;
-      points[v] = (Eigen::AngleAxisd(angle, turn / angle) * points_[v]).normalized();
-      if (points_[v][2] == 0) {
-        points[v][2] = 0;
-        points[v].normalize();
-      }
-    }
-    bool folds = false;
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto& [a, b, c] : surface_.faces()) {
-      if (spherical::orientationSign(points[a], points[b], points[c]) > 0) continue;
-      for (std::size_t i = 0; i < sources.size(); ++i) {
-        const double away = (points_[a] - sources[i].place).norm() / sources[i].reach;
-        if (rests_[i] || !(away < std::min(least, 1.0))) continue;
-        least = away;
-        nearest_ = i;
-      }
-      folds = true;
-    }
-    if (!folds) points_ = std::move(points);
-    return !folds;
   }
 
   Context& context_;

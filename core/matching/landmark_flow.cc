@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <queue>
 #include <unordered_map>
@@ -62,31 +61,73 @@ class Flow {
 
   /// All but the map. partly: a landmark beside a fold stays where it is, and the others go on.
   Result<LandmarkFlow> run(bool partly) {
-    LandmarkFlow result;
     findTravels();
-    double share = 1;  // Of what a step could be.
-    int halvings = 0, steps = 0;
-    while (!met()) {
-      RETURN_IF_ERROR(context_.check());
-      if (++steps > kMostFlowSteps || halvings > kMostFlowHalvings) {
-        result.met = false;
-        if (!partly || !stayBehind()) break;
-        share = 1;
-        halvings = steps = 0;
-        continue;
-      }
-      ++result.steps;
-      if (step(share)) {
-        share = std::min(1.0, 2 * share);
-        halvings = std::max(0, halvings - 1);
-      } else {
-        share /= 2;
-        ++halvings;
-      }
-    }
+    ASSIGN_OR_RETURN(const FlowCourse course, runFlow(context_, *this, partly));
+    LandmarkFlow result;
+    result.met = course.met;
+    result.steps = course.steps;
     if (!result.met) result.around = around_;
     std::sort(result.around.begin(), result.around.end());
     return result;
+  }
+
+  /// The one nearest to the last fold that has not come to rest; false where there is none.
+  bool stayBehind() {
+    if (around_.empty()) return false;
+    rests_[around_.front()] = true;
+    around_.clear();
+    return true;
+  }
+
+  bool met() const {
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (wayLeft(i).norm() > kFlowMet * edgeAt(i)) return false;
+    }
+    return true;
+  }
+
+  /// Goes on, with every landmark at most kFlowStep of its reach; false where that would fold a
+  /// face.
+  bool step(double share) {
+    std::vector<View> views(points_.size());
+    parallelBlocks(views.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) views[i] = lookAround(i);
+    });
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const double left = wayLeft(i).norm();
+      if (share * left > kFlowStep * views[i].reach) share = kFlowStep * views[i].reach / left;
+    }
+    const std::vector<Vector2d> vectors = strengths(views, share);
+    std::unordered_map<Index, Vector2d> ways;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      for (const auto& [v, motion] : views[i].motions) {
+        const Vector2d way = carried(views[i], motion) * vectors[i];
+        ways.try_emplace(v, Vector2d::Zero()).first->second += way;
+        if (mirror_.empty()) continue;
+        ways.try_emplace(mirror_[v], Vector2d::Zero()).first->second += mirrored(way);
+      }
+    }
+    VertexLinks links = links_;
+    std::vector<Motion> shifts(surface_.vertexCount(), Motion::Identity());
+    for (const auto& [v, way] : ways) shifts[v] = plane_.shift(way);
+    for (Index e = 0; e < surface_.edgeCount(); ++e) {
+      const Index h = surface_.halfedge(e), i = surface_.tail(h), j = surface_.head(h);
+      if (!ways.contains(i) && !ways.contains(j)) continue;
+      links[h] = plane_.normalized(Motion(plane_.inverse(shifts[i]) * links[h] * shifts[j]));
+      links[surface_.twin(h)] = plane_.inverse(links[h]);
+    }
+    if (const std::vector<bool> folded = foldedFaces(surface_, links);
+        std::find(folded.begin(), folded.end(), true) != folded.end()) {
+      blame(views, folded);
+      return false;
+    }
+    links_ = std::move(links);
+    for (const auto& [v, way] : ways) moves_[v] = plane_.normalized(Motion(moves_[v] * shifts[v]));
+    for (std::size_t i = 0; i < goals_.size(); ++i) {
+      const Index first = surface_.tail(firstHalfedge(i));
+      goals_[i] = plane_.normalized(Vector3d(plane_.inverse(shifts[first]) * goals_[i]));
+    }
+    return true;
   }
 
   /// As HarmonicMap has them.
@@ -140,43 +181,19 @@ class Flow {
     return longest;
   }
 
-  /// The one nearest to the last fold that has not come to rest; false where there is none.
-  bool stayBehind() {
-    if (around_.empty()) return false;
-    rests_[around_.front()] = true;
-    around_.clear();
-    return true;
-  }
-
-  bool met() const {
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      if (wayLeft(i).norm() > kFlowMet * edgeAt(i)) return false;
-    }
-    return true;
-  }
-
-  /// How far a landmark goes, or others would take it along: to stay behind takes as much room.
   void findTravels() {
     for (std::size_t i = 0; i < points_.size(); ++i) travel_.push_back(wayLeft(i).norm());
-    std::vector<std::size_t> rest(points_.size());
-    std::iota(rest.begin(), rest.end(), 0);
-    while (!rest.empty()) {
-      // Farthest first: nothing takes it along farther.
-      const auto next =
-          std::max_element(rest.begin(), rest.end(),
-                           [&](std::size_t i, std::size_t j) { return travel_[i] < travel_[j]; });
-      const std::size_t i = *next;
-      rest.erase(next);
-      if (!(travel_[i] > 0)) break;
+    spreadTravels(travel_, [this](std::size_t i) {
       const View view = lookAround(i);
-      for (const std::size_t j : rest) {
+      std::vector<double> shares(points_.size(), 0.0);
+      for (std::size_t j = 0; j < points_.size(); ++j) {
         for (const Index v : surface_.face(points_[j].face)) {
-          const double share =
-              std::max(shareAt(view, v), mirror_.empty() ? 0 : shareAt(view, mirror_[v]));
-          travel_[j] = std::max(travel_[j], share * travel_[i]);
+          shares[j] = std::max(shares[j], shareAt(view, v));
+          if (!mirror_.empty()) shares[j] = std::max(shares[j], shareAt(view, mirror_[v]));
         }
       }
-    }
+      return shares;
+    });
   }
 
   double shareAt(const View& view, Index v) const {
@@ -298,50 +315,6 @@ class Flow {
         system.block<2, 2>(2 * i, 2 * j) += weight * seen * carriedTo(views[j], v);
       }
     }
-  }
-
-  /// Goes on, with every landmark at most kFlowStep of its reach; false where that would fold a
-  /// face.
-  bool step(double share) {
-    std::vector<View> views(points_.size());
-    parallelBlocks(views.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) views[i] = lookAround(i);
-    });
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const double left = wayLeft(i).norm();
-      if (share * left > kFlowStep * views[i].reach) share = kFlowStep * views[i].reach / left;
-    }
-    const std::vector<Vector2d> vectors = strengths(views, share);
-    std::unordered_map<Index, Vector2d> ways;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      for (const auto& [v, motion] : views[i].motions) {
-        const Vector2d way = carried(views[i], motion) * vectors[i];
-        ways.try_emplace(v, Vector2d::Zero()).first->second += way;
-        if (mirror_.empty()) continue;
-        ways.try_emplace(mirror_[v], Vector2d::Zero()).first->second += mirrored(way);
-      }
-    }
-    VertexLinks links = links_;
-    std::vector<Motion> shifts(surface_.vertexCount(), Motion::Identity());
-    for (const auto& [v, way] : ways) shifts[v] = plane_.shift(way);
-    for (Index e = 0; e < surface_.edgeCount(); ++e) {
-      const Index h = surface_.halfedge(e), i = surface_.tail(h), j = surface_.head(h);
-      if (!ways.contains(i) && !ways.contains(j)) continue;
-      links[h] = plane_.normalized(Motion(plane_.inverse(shifts[i]) * links[h] * shifts[j]));
-      links[surface_.twin(h)] = plane_.inverse(links[h]);
-    }
-    if (const std::vector<bool> folded = foldedFaces(surface_, links);
-        std::find(folded.begin(), folded.end(), true) != folded.end()) {
-      blame(views, folded);
-      return false;
-    }
-    links_ = std::move(links);
-    for (const auto& [v, way] : ways) moves_[v] = plane_.normalized(Motion(moves_[v] * shifts[v]));
-    for (std::size_t i = 0; i < goals_.size(); ++i) {
-      const Index first = surface_.tail(firstHalfedge(i));
-      goals_[i] = plane_.normalized(Vector3d(plane_.inverse(shifts[first]) * goals_[i]));
-    }
-    return true;
   }
 
   /// The two landmarks that are nearest to folded faces, of those that move them and go on.
